@@ -232,7 +232,7 @@ impl From<TruthError> for Failure {
 }
 
 impl From<clap::Error> for Failure {
-    /// clap's text is kept: first line what, the rest (tip and usage) why.
+    /// The failure of a wrong command line, with clap's text. The first line is `what`, tip and usage are `why`.
     fn from(refusal: clap::Error) -> Self {
         if refusal.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
             let command = Cli::command();

@@ -218,7 +218,7 @@ mod tests {
         }
     }
 
-    /// 16 bits hold what 8 bits hold, 257 times as much.
+    /// Values of 16 bits are those of 8 bits times 257.
     #[test]
     fn wide_pixels_are_the_light_of_narrow_ones() {
         let dir = tempfile::tempdir().unwrap();

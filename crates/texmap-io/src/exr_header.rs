@@ -1,4 +1,4 @@
-//! Sizes that the header of an OpenEXR file states: the decoder allocates blocks by them, whatever the picture's own size is.
+//! Sizes that the header of an OpenEXR file states. The decoder allocates blocks by them, for pictures of any size.
 
 use std::io::Cursor;
 

@@ -117,8 +117,8 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
     read_named(&FileSource::anywhere(), path, None)
 }
 
-/// Decodes an image file to a texture of one level, top-left origin, and says how many bits a channel the file has. The colours of whole
-/// numbers are sRGB or taken as they are; floats (HDR, EXR) are linear light. The bytes of 8-bit files stay what they are in memory
+/// Decodes an image file to a texture of one level, top-left origin, and gives its bits a channel. The colours of whole numbers
+/// are sRGB or taken as they are; floats (HDR, EXR) are linear light. The bytes of 8-bit files are kept in memory
 /// ([`Texture2d::from_encoded8`]); those of 16 bits become floats, which keep each of their codes apart.
 ///
 /// # Errors

@@ -16,7 +16,7 @@ use crate::{FileSource, IoError, image_io};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// The file; in JSON with U+FFFD for what is no Unicode.
+    /// The file; in JSON with U+FFFD for bytes that are no Unicode.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
     /// `scene`, `obj`, `gltf`, `ply`, `stl` or `image`.
@@ -109,7 +109,7 @@ pub struct ExtensionInfo {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct NamedFile {
-    /// The file as it was looked for; in JSON with U+FFFD for what is no Unicode.
+    /// The file as it was looked for; in JSON with U+FFFD for bytes that are no Unicode.
     #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
     /// `file:line:column` of the line that names it first; empty for an image by itself.

@@ -73,7 +73,7 @@ pub enum PixelCode {
     Jpeg(ColorSpace),
     /// As [`Png8`](Self::Png8).
     WebP(ColorSpace),
-    /// Red, green and blue over black, rounded to what RGBE holds.
+    /// Red, green and blue over black, rounded to RGBE.
     Hdr,
     /// Red, green and blue over black.
     Exr,
@@ -137,8 +137,8 @@ impl PixelCode {
         }
     }
 
-    /// Encodes linear, premultiplied colours into as many times [`bytes`](Self::bytes); what is beyond either slice is left. NaN becomes 0
-    /// in PNG and HDR.
+    /// Encodes linear, premultiplied colours into as many times [`bytes`](Self::bytes). Colours and bytes beyond the shorter slice are
+    /// left out. NaN becomes 0 in PNG and HDR.
     pub fn encode(self, colors: &[[f32; 4]], out: &mut [u8]) -> Lost {
         let mut lost = Lost::default();
         for (c, out) in colors.iter().zip(out.chunks_exact_mut(self.bytes())) {

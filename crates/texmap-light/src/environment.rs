@@ -267,7 +267,7 @@ mod tests {
                 light(chart.direction(face, centre / sides))
             });
             assert_eq!(one_by_one, in_any_order, "{chart:?}");
-            // A face's first texel: what lies before it is the border's row and one texel of its own.
+            // A face's first texel, after the border's row and one border texel of its own row.
             let texel = one_by_one.unwrap().texel(0, 0, 0);
             let (w, h) = (13 * chart.aspect(), 13);
             let uv = DVec2::new(0.5 / f64::from(w), 0.5 / f64::from(h));

@@ -18,9 +18,9 @@ pub enum SpecularModel {
 pub struct PhongMaterial {
     /// Diffuse and ambient colour, linear light, 0..=1. The highlight does not take it.
     pub color: [f32; 3],
-    /// Share of ambient light that is returned, usually 0..=1.
+    /// Fraction of ambient light that is returned, usually 0..=1.
     pub ka: f32,
-    /// Share of direct light that is returned in all directions, usually 0..=1.
+    /// Fraction of direct light that is returned in all directions, usually 0..=1.
     pub kd: f32,
     /// Strength of the highlight, usually 0..=1.
     pub ks: f32,

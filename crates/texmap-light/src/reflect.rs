@@ -1,4 +1,4 @@
-//! The mirrored view, and how fast it turns from pixel to pixel.
+//! The mirrored view, and its change from pixel to pixel.
 
 use texmap_math::simd::{Isa, Number};
 

@@ -274,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Strips find what a whole map's scan does, however many there are and in whatever order, also where they leave columns out.
+    /// Strips in any number and order give the bounds of a scan of the whole map. They may leave columns out.
     #[test]
     fn strips_join_to_the_bounds_of_the_whole() {
         let mut left_out = 0;

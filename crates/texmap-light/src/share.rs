@@ -165,8 +165,8 @@ pub fn evaluate_light<I: Isa>(
     }
 }
 
-/// Colour of a light at the points of a block, the unit vectors to it, and the lanes that it reaches, whatever way they face. Ambient
-/// light comes from nowhere.
+/// Colour of a light at the points of a block, the unit vectors to it, and the lanes that it reaches. The lanes do not depend on
+/// normals. Ambient light has no direction.
 #[inline(always)]
 pub(crate) fn arriving<I: Isa>(
     i: I,

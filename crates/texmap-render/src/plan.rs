@@ -302,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Attributes per vertex, pass, and whether a mip chain was built.
+    /// Attributes per vertex, pass, and true if a mip chain was built.
     fn needs(material: Material, aovs: &[Aov]) -> (usize, Pass, bool) {
         let scene = scene(material);
         let settings = RenderSettings::new(8, 8);

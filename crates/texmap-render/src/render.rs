@@ -252,7 +252,7 @@ impl<'s> Renderer<'s> {
         prepared.map_err(|error| RenderError::of_raster(self.scene, error))
     }
 
-    /// Runs the blocks of one pass over the thread pool and returns how many pixels are covered.
+    /// Runs the blocks of one pass over the thread pool and returns the number of covered pixels.
     fn run(
         &self,
         job: &Job<'_>,

@@ -56,7 +56,7 @@ impl<'s> AlphaTests<'s> {
         }))
     }
 
-    /// Attributes of a mesh and how many a vertex has; `None` for one without holes.
+    /// Attributes of a mesh and their number per vertex; `None` for a mesh without holes.
     pub(crate) fn attributes(&self, mesh: usize) -> Option<(&[f32], usize)> {
         let cutting = self.meshes[mesh].as_ref()?;
         Some((&cutting.attributes, cutting.attribute_count))

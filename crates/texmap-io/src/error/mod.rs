@@ -137,7 +137,7 @@ pub enum IoError {
         /// The number.
         text: String,
     },
-    /// A number outside of what its command allows.
+    /// A number outside of the range of its command.
     #[error("{location}: `{command}`: `{text}` is out of range", text = shortened(.text))]
     OutOfRange {
         /// Position of the number.
@@ -412,7 +412,7 @@ pub enum IoError {
 }
 
 impl IoError {
-    /// A refusal of the memory budget, for what a line of a file asks for.
+    /// A refusal of the memory budget for a file or a line of one.
     pub(crate) fn memory(refused: OverBudget, named_by: Option<&SourceLocation>) -> Self {
         Self::Memory {
             named_by: named_by.cloned(),
@@ -470,7 +470,7 @@ impl IoError {
 }
 
 impl IoError {
-    /// The same without what it quotes of the file: for files that may be something else than they are taken for.
+    /// The error without quotations of the file, for files that may not be of their expected kind.
     pub(crate) fn without_words(mut self) -> Self {
         match &mut self {
             Self::UnknownCommand { word: quoted, .. }

@@ -161,7 +161,7 @@ impl Framing {
     }
 
     /// The cameras of `frames` pictures around the model, counter-clockwise seen from above, the first from the side of the view:
-    /// all at one distance, so that the model fills its share where it is widest. Empty for a scene without triangles.
+    /// all at one distance, so that the widest view of the model fills [`FILL`](Self::FILL). Empty for a scene without triangles.
     #[must_use]
     pub fn turntable(&self, scene: &Scene, aspect: f64, frames: u32) -> Vec<Camera> {
         let back = self.view.direction(self.up);

@@ -253,7 +253,7 @@ fn bend(
         let turned = cofactors * wide(*normal) * sign;
         *normal = turned.normalize_or_zero().as_vec3().to_array();
     }
-    // Tangents are compared with what the renderer makes of the file's pose.
+    // Tangents are compared with those that the renderer computes for the file's pose.
     geometry.tangents.clear();
     geometry.in_world = true;
     if let Some(i) = geometry

@@ -153,7 +153,7 @@ fn material(
         "" => format!("material {index}"),
         name => shortened(name).to_string(),
     };
-    // Nothing reaches a cutoff above 1; what is opaque whatever alpha says needs no test.
+    // Nothing reaches a cutoff above 1; a material that ignores alpha needs no test.
     let hidden = cutoff > 1.0;
     if hidden {
         reader.model.warn(format!(

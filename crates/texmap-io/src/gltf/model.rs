@@ -230,7 +230,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// An error of a file that the document names. A refusal of the memory budget stays what it is.
+    /// An error of a file that the document names. A refusal of the memory budget is passed on.
     pub(super) fn within(&self, pointer: &str, error: IoError) -> IoError {
         match error {
             error @ IoError::Memory { .. } => error,

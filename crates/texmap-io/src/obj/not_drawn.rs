@@ -44,14 +44,14 @@ pub(super) struct NotDrawn {
 
 impl NotDrawn {
     pub(super) fn next_material(&mut self) {
-        // An ambient colour that is none, white or the diffuse one says what is drawn anyway.
+        // An ambient colour that is black, white or the diffuse one changes nothing.
         if let Some((location, ka)) = self.ka.take() {
             let neutral = ka.iter().all(|c| *c == 0.0) || ka.iter().all(|c| *c == 1.0);
             if !neutral && self.kd.as_ref() != Some(&ka) {
                 self.note(&location, "Ka");
             }
         }
-        // Nothing shines through what is opaque.
+        // Nothing shines through opaque surfaces.
         if let Some(location) = self.ni.take()
             && self.opacity.is_some_and(|d| d < 1.0)
         {

@@ -94,7 +94,7 @@ fn same(a: Vertex, b: Vertex, obj: &Obj, normals: &Normals<'_>) -> bool {
     a.face == b.face && key(a, obj, normals) == key(b, obj, normals)
 }
 
-/// Bits of what makes vertices differ.
+/// Bits of the values in which vertices differ.
 fn key(vertex: Vertex, obj: &Obj, normals: &Normals<'_>) -> [u32; 7] {
     let [u, v] = obj.uv(vertex.uv).map(f32::to_bits);
     let [x, y, z] = normals.get(vertex.normal).map(f32::to_bits);
@@ -112,7 +112,7 @@ impl Obj {
 mod tests {
     use super::super::model::read_text;
 
-    /// Coordinates of equal value are one, whatever their numbers, in a chain and beyond it; others are apart.
+    /// Coordinates of equal value are one vertex under any numbers, in a chain and beyond it. Others are different vertices.
     #[test]
     fn vertices_are_told_apart_by_values() {
         let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");

@@ -17,7 +17,7 @@ use crate::obj::{self, Description, Group, Model, Part};
 use crate::textures::Textures;
 use crate::{IoError, SourceLocation, shortened, shown};
 
-/// Reads a model and the textures that its comments name, and says how many bytes it has.
+/// Reads a model and the textures that its comments name; gives the number of its bytes.
 pub(crate) fn read(
     request: &Request<'_>,
     textures: &mut Textures,

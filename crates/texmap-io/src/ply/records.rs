@@ -153,7 +153,7 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// The value in a record of what is no list.
+    /// The value in a record of a property that is no list.
     #[inline]
     pub(super) fn value(&self, record: usize) -> f64 {
         let bytes = &self.records.body[self.at(record)..];

@@ -202,7 +202,7 @@ fn drawable(scene: Scene, path: &Path) -> Result<Scene, IoError> {
 }
 
 /// Reads a model by itself, an OBJ where its ending does not say glTF, PLY or STL: the camera is that of [`LoadOptions::framing`], the light
-/// is [`auto_lights`] unless it brings lights; faces without a material are light grey. `docs/GLTF.md` says what is read of a glTF.
+/// is [`auto_lights`] unless it brings lights; faces without a material are light grey. `docs/GLTF.md` lists the parts of a glTF that are read.
 ///
 /// # Errors
 /// The first fault, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.

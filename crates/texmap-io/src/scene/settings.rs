@@ -1,4 +1,4 @@
-//! The current settings: what lines like `surf`, `filter` or `translate` say about the faces after them.
+//! The current settings of later faces, from lines like `surf`, `filter` or `translate`.
 
 use texmap_light::PhongMaterial;
 use texmap_math::color::srgb_to_linear;

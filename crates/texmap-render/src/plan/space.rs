@@ -69,7 +69,7 @@ static VOLUME_MATERIAL: LazyLock<Material> = LazyLock::new(|| Material {
     name: "volume".into(),
     shading: Shading::Unlit,
     alpha: AlphaMode::Blend,
-    // The far sides cover what the box covers, also for an eye inside of it.
+    // The far sides cover the pixels of the box, also for an eye inside of it.
     cull: Cull::Front,
     ..Material::default()
 });

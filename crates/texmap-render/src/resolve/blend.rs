@@ -1,4 +1,4 @@
-//! Blending: a batch over what the tile holds, and the mean of four samples a pixel.
+//! Blending: a batch over the contents of the tile, and the mean of four samples a pixel.
 
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
@@ -10,7 +10,7 @@ use crate::shade::batch::LANES;
 use texmap_scene::ColorMode;
 
 impl TileBuffer {
-    /// Blends the blocks of a batch, in order, over what is there, and marks in `covered` the pixels whose alpha is above 0.
+    /// Blends the blocks of a batch, in order, over the buffer. Pixels whose alpha is above 0 are marked in `covered`.
     pub(crate) fn blend(
         &mut self,
         level: Level,

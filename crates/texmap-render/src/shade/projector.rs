@@ -22,7 +22,7 @@ pub(crate) struct Projected<'s> {
 }
 
 impl Projected<'_> {
-    /// True if the filter asks how large a pixel is.
+    /// True if the filter reads derivatives.
     pub(crate) fn reads_derivatives(&self) -> bool {
         self.view.sampler.filter.reads_derivatives()
     }
@@ -108,7 +108,7 @@ impl<'a> ProjectorStage<'a> {
             .expect("the columns have one length");
     }
 
-    /// The coordinates of the blocks that are reached, and how many these are.
+    /// The coordinates of the blocks that are reached, and their number.
     #[inline(always)]
     fn place<I: Isa>(
         &self,

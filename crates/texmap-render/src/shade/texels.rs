@@ -442,7 +442,7 @@ impl<I: ByteIsa, const D: bool> BlockSink<I> for Store<'_, '_, D> {
     }
 }
 
-/// True if the filter of a view asks how large a pixel is.
+/// True if the filter of a view reads derivatives.
 fn reads_mips(view: &BoundTexture<'_>) -> bool {
     view.kind == Kernel::Trilinear
 }

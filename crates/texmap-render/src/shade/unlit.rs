@@ -187,7 +187,7 @@ pub(crate) struct UnlitScratch {
 }
 
 impl UnlitScratch {
-    /// The coordinates of a batch as columns 0 and 1, as the slot reads them, and how many pixels that are.
+    /// The coordinates of a batch as columns 0 and 1, as the slot reads them, and the number of pixels.
     fn read_uv(
         &mut self,
         level: Level,

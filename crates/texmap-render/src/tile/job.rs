@@ -103,7 +103,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Draws a block and returns how many of its pixels are covered.
+    /// Draws a block and returns the number of its covered pixels.
     pub(crate) fn draw(&self, mut block: Block<'_, '_>, scratch: &mut Scratch) -> u64 {
         let color = block.take_color();
         if self.samples > 1 {

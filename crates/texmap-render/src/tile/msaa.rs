@@ -19,7 +19,7 @@ pub(super) struct SampleReuse {
 }
 
 impl SampleReuse {
-    /// Each sample shows what the first shows, in all pixels.
+    /// All samples show the fragment of the first, in all pixels.
     fn is_alike(&self) -> bool {
         self.by.iter().all(|by| by[0] == u16::MAX)
     }

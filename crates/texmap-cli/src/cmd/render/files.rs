@@ -19,7 +19,7 @@ use crate::failure::{Exit, Failure};
 use crate::output::{Destination, Stage};
 
 impl Context<'_> {
-    /// One picture, alone or as number, of how many, of a series.
+    /// One picture, alone or as a number of a series of a given length.
     pub(super) fn picture(
         &self,
         scene: &Scene,

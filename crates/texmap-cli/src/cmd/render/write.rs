@@ -12,7 +12,7 @@ use texmap_scene::ColorMode;
 use crate::failure::Failure;
 use crate::formats;
 
-/// A format, the bits of a channel, and how colours are stored.
+/// A format, the bits of a channel, and the encoding of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Store {
     pub(crate) format: PictureFormat,
