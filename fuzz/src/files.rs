@@ -143,7 +143,7 @@ pub fn path(bytes: &[u8]) {
                 for (frame, frames) in [(0, 1), (0, 7), (3, 7), (6, 7), (9, 7), (0, 0)] {
                     let at = path.camera(&camera, frame, frames);
                     assert!(at.fov_x > 0.0 && at.fov_x < std::f64::consts::PI, "{at:?}");
-                    // Whether a view exists is the renderer's question: eye and point may coincide.
+                    // The renderer checks the view: eye and point may coincide.
                     let _ = at.view();
                 }
             }
@@ -198,7 +198,7 @@ fn drawn(bytes: &[u8], name: &str, text: &str) {
             Ok(scene) => picture(&scene),
             Err(error) => named(&error, text),
         }
-        // What a file holds is told or refused likewise.
+        // Reports on files have a result or an error, too.
         if let Err(error) = texmap_io::info(&path) {
             named(&error, text);
         }

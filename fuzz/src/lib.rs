@@ -1,4 +1,4 @@
-//! What the fuzz targets do with their bytes; also replayed on stable by the suite `fuzz`.
+//! The checks of the fuzz targets; also replayed on stable by the suite `fuzz`.
 
 mod choices;
 mod draw;

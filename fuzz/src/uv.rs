@@ -48,22 +48,22 @@ pub fn uv(bytes: &[u8]) {
         origin,
         ..Mapping::new(c.of(&[Shape::Plane, Shape::Box, Shape::Sphere, Shape::Cylinder]))
     };
-    let page = AtlasSize {
+    let atlas = AtlasSize {
         size: 1 + c.below(64) as u32,
         gutter: c.below(5) as u32,
     };
     for set in [
         mapping.map(Level::new(), &mesh, &[]).map(|m| m.set),
-        auto_planes(&mesh, page, origin),
+        auto_planes(&mesh, atlas, origin),
     ] {
         match set {
-            Ok(set) => used(&mesh, &set, page, &mut c),
+            Ok(set) => used(&mesh, &set, atlas, &mut c),
             Err(refusal) => assert!(!refusal.to_string().is_empty()),
         }
     }
 }
 
-fn used(mesh: &Mesh<'_>, set: &UvSet, page: AtlasSize, c: &mut Choices<'_>) {
+fn used(mesh: &Mesh<'_>, set: &UvSet, atlas: AtlasSize, c: &mut Choices<'_>) {
     let corners = mesh.faces().corners();
     assert_eq!(set.per_corner().len(), corners.len());
     let options = ReportOptions {
@@ -91,7 +91,7 @@ fn used(mesh: &Mesh<'_>, set: &UvSet, page: AtlasSize, c: &mut Choices<'_>) {
             },
         ),
         sew_seams(mesh, set, &pairs),
-        pack(mesh, set, page),
+        pack(mesh, set, atlas),
     ]
     .into_iter()
     .flatten()

@@ -45,7 +45,7 @@ pub(crate) enum Verb {
 }
 
 impl Verb {
-    /// Whether the caller asked for JSON on standard output.
+    /// True if the caller asked for JSON on standard output.
     pub(crate) fn json(&self) -> bool {
         match self {
             Self::Render(a) => a.json,

@@ -1,4 +1,4 @@
-//! What went wrong, where, why and what to try; and the exit codes.
+//! Failures, with position, reason and remedy; and the exit codes.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,7 +19,7 @@ use crate::args::Cli;
 use crate::interrupt;
 use crate::output::shown;
 
-/// How the program ends. The numbers are part of its interface.
+/// Exit codes of the program. The numbers are part of its interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Exit {
     /// Everything asked for was done.
@@ -45,9 +45,9 @@ pub(crate) struct Failure {
     pub(crate) exit: Exit,
     /// Stable name, for programs.
     pub(crate) code: String,
-    /// One line: what and where (file, line, mesh, face, texel).
+    /// One line with the fault and its position (file, line, mesh, face, texel).
     pub(crate) what: String,
-    /// One line: why, and what to try.
+    /// One line with the reason and a remedy.
     pub(crate) why: String,
 }
 
@@ -102,7 +102,7 @@ impl Failure {
         Self::new(Exit::OverBudget, "over-memory-budget", what, why)
     }
 
-    /// An error of a scene or of what makes it a picture: `place` is what was drawn, `why` the second line unless memory is missing.
+    /// An error of a scene or of its drawing. `place` names the drawn thing, `why` is the second line unless memory is missing.
     pub(crate) fn of_render(error: impl Into<Refusal>, place: Option<&str>, why: &str) -> Self {
         let error = error.into();
         let what = match place {
@@ -133,13 +133,13 @@ impl Failure {
         }
         say_always(&text);
         if json {
-            // The same stands on standard error.
+            // Standard error has the same message.
             let _ = print_json(&ErrorObject { error: self.body() });
         }
     }
 }
 
-/// What the errors of scenes, meshes and pictures have in common.
+/// Common part of the errors of scenes, meshes and pictures.
 pub(crate) struct Refusal {
     code: &'static str,
     text: String,
@@ -232,7 +232,7 @@ impl From<TruthError> for Failure {
 }
 
 impl From<clap::Error> for Failure {
-    /// clap's text is kept: first line what, the rest (tip and usage) why.
+    /// The failure of a wrong command line, with clap's text. The first line is `what`, tip and usage are `why`.
     fn from(refusal: clap::Error) -> Self {
         if refusal.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
             let command = Cli::command();

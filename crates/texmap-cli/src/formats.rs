@@ -1,4 +1,4 @@
-//! The format of an output: its ending says it, in every verb alike.
+//! The format of an output, by its ending, for all verbs.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use texmap_scene::ColorMode;
 
 use crate::failure::{Failure, say};
 
-/// The one of the `known` endings that a name has; for standard output and devices the first. `flag` is what names the output.
+/// The one of the `known` endings that a name has; for standard output and devices the first. `flag` names the output.
 pub(crate) fn ending<'e>(flag: &str, output: &Path, known: &[&'e str]) -> Result<&'e str, Failure> {
     let device = output == Path::new("-")
         || std::fs::metadata(output).is_ok_and(|m| !m.is_file() && !m.is_dir());
@@ -36,7 +36,7 @@ pub(crate) fn ending<'e>(flag: &str, output: &Path, known: &[&'e str]) -> Result
     })
 }
 
-/// The format of a picture of colours: any that there is.
+/// The format of a picture of colours, which may be any format.
 pub(crate) fn picture(output: &Path) -> Result<PictureFormat, Failure> {
     // `.jpeg` is `.jpg`.
     if let Some(format) = PictureFormat::of(output) {
@@ -46,7 +46,7 @@ pub(crate) fn picture(output: &Path) -> Result<PictureFormat, Failure> {
     ending("-o", output, &endings).map(|_| PictureFormat::Png)
 }
 
-/// What the pictures of a walk become.
+/// Files of the pictures of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Output {
     /// One file each.
@@ -80,7 +80,7 @@ pub(crate) fn png(flag: &str, output: &Path) -> Result<(), Failure> {
     ending(flag, output, &["png"]).map(|_| ())
 }
 
-/// How the pixels of a picture lie that is made of one with `bits` a channel.
+/// Pixel layout of a picture that is made of one with `bits` a channel.
 pub(crate) fn pixel_code(
     format: PictureFormat,
     bits: u32,

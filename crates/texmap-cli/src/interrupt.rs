@@ -14,10 +14,10 @@ use std::time::Duration;
 /// Temporary folders that exist now. Locked while outputs are renamed: they appear together or not at all.
 static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Set when the first signal is handled: nothing is reported from then on.
+/// True once the first signal is handled; nothing is reported from then on.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
-/// Starts to watch for signals. Where that fails they end the program as if nobody watched.
+/// Starts to watch for signals. If that fails, signals end the program without a clean-up.
 #[cfg(unix)]
 pub(crate) fn watch() {
     use std::sync::Arc;

@@ -84,7 +84,7 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
     }
 }
 
-/// A panic is a bug of texmap: it is reported as one, with its place, and ends with exit code 6.
+/// Reports a panic as a bug of texmap, with its position; the program ends with exit code 6.
 fn guarded(body: impl FnOnce() -> Exit) -> Exit {
     panic::set_hook(Box::new(|info| {
         let place = info

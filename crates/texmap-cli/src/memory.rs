@@ -45,7 +45,7 @@ pub(crate) fn parse_size(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A limit of the system, and what counts against it.
+/// A limit of the system, and the measure of memory that counts against it.
 #[derive(Clone, Copy)]
 struct Grant {
     bytes: u64,
@@ -97,7 +97,7 @@ fn soft_limit(limits: &str, name: &str) -> Option<u64> {
 }
 
 /// Files with the memory limits of the groups that /proc/self/cgroup lists, and of the groups around them: each of them counts.
-/// Inside a container the path may be the host's; then only the root of what is mounted there is found.
+/// Inside a container the path may be the host's; then only the root of the mounted hierarchy is found.
 fn group_files(groups: &str) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for line in groups.lines() {
@@ -138,7 +138,7 @@ fn data() -> u64 {
     of_this_process("VmData:")
 }
 
-/// Pages in memory that belong to no file.
+/// Memory pages that belong to no file.
 fn resident() -> u64 {
     of_this_process("RssAnon:")
 }

@@ -1,4 +1,4 @@
-//! Names of files as bytes, so that templates are filled without loss where a name is no Unicode.
+//! Names of files as bytes, so that templates are filled without loss if a name is no Unicode.
 
 use std::ffi::{OsStr, OsString};
 
@@ -14,7 +14,7 @@ pub(crate) fn of_bytes(bytes: Vec<u8>) -> OsString {
     std::os::unix::ffi::OsStringExt::from_vec(bytes)
 }
 
-/// The bytes of a name; U+FFFD for what is no Unicode.
+/// The bytes of a name, with U+FFFD for parts that are no Unicode.
 #[cfg(not(unix))]
 pub(crate) fn bytes(name: &OsStr) -> Vec<u8> {
     name.to_string_lossy().into_owned().into_bytes()

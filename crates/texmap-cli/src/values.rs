@@ -1,4 +1,4 @@
-//! Values of flags: sizes, points, colours. Each refusal says what would be accepted.
+//! Values of flags: sizes, points, colours. Each refusal lists the accepted values.
 
 use std::str::FromStr;
 use texmap_scene::SceneError;
@@ -49,14 +49,14 @@ impl FromStr for Resolution {
 /// `depth`, `shadow:0`, or `shadow:NAME` of a light that has a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct AovArg {
-    /// As it was written: it is part of the array's file name.
+    /// The name as written, which is part of the array's file name.
     pub(crate) name: String,
-    /// `None` where the scene must tell.
+    /// The buffer; `None` for the shadow of a named light, whose index only the scene tells.
     known: Option<Aov>,
 }
 
 impl AovArg {
-    /// Which buffer of this scene it is.
+    /// The buffer of this scene that the name stands for.
     pub(crate) fn of(&self, scene: &Scene) -> Result<Aov, SceneError> {
         let light = self.name.strip_prefix(SHADOW).unwrap_or_default();
         self.known.map_or_else(|| Aov::shadow_of(scene, light), Ok)

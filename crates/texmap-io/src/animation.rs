@@ -18,7 +18,7 @@ pub enum AnimationFormat {
 }
 
 impl AnimationFormat {
-    /// All of them.
+    /// Every format.
     pub const ALL: [Self; 2] = [Self::Gif, Self::Apng];
 
     /// The ending of its names, without a dot.
@@ -82,7 +82,7 @@ fn gif(out: &mut dyn Write, animation: &Animation<'_>) -> io::Result<()> {
     encoder
         .set_repeat(Repeat::Infinite)
         .map_err(io::Error::other)?;
-    // Hundredths of a second are what the format holds; below two of them viewers choose their own.
+    // The format holds hundredths of a second; below two of them viewers choose their own.
     let hundredths = (100.0 / animation.rate).round().clamp(2.0, 65_535.0) as u32;
     for frame in animation.frames {
         let picture = RgbaImage::from_raw(animation.width, animation.height, frame.clone())

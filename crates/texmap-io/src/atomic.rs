@@ -7,7 +7,7 @@ use crate::IoError;
 
 /// Writes `path` through `write`: into a temporary name in the same directory, renamed when all is written.
 ///
-/// When anything fails, an older file of this name keeps its bytes and the temporary one is removed. A file that is replaced keeps
+/// If anything fails, an older file of this name keeps its bytes and the temporary one is removed. A file that is replaced keeps
 /// its mode.
 ///
 /// # Errors
@@ -46,13 +46,13 @@ fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) 
         }
     }
     let file = builder.tempfile_in(directory)?;
-    // Errors of the file itself say nothing of its temporary name.
+    // Errors of the file itself do not show its temporary name.
     let mut out = BufWriter::new(file.as_file());
     write(&mut out)?;
     out.flush()?;
     drop(out);
     if let Some(old) = old {
-        // The umask took its part of the mode.
+        // The umask has cleared bits of the mode.
         file.as_file().set_permissions(old)?;
     }
     file.persist(path).map_err(|e| e.error)?;

@@ -12,17 +12,17 @@ use crate::{FileSource, IoError, SourceLocation};
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
-    /// Where the eye is.
+    /// Position of the eye.
     pub eye: [f64; 3],
-    /// The point it looks at.
+    /// The point that the camera looks at.
     pub look: [f64; 3],
-    /// What is up; the scene's own where it is left out.
+    /// The up direction; that of the scene if it is left out.
     pub up: Option<[f64; 3]>,
-    /// Horizontal field of view in degrees; the scene's own where it is left out.
+    /// Horizontal field of view in degrees; that of the scene if it is left out.
     pub fov: Option<f64>,
 }
 
-/// A walk: straight lines from keyframe to keyframe, equal shares of the frames for each.
+/// A walk of straight lines from keyframe to keyframe, with equal numbers of frames for each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPath {
     keyframes: Vec<Keyframe>,
@@ -32,7 +32,7 @@ impl CameraPath {
     /// Reads a JSON list of keyframes, at least one.
     ///
     /// # Errors
-    /// File errors, and [`IoError::BrokenPath`] with the place: no such list, a number that is not finite, a field of
+    /// File errors, and [`IoError::BrokenPath`] with the position: no such list, a number that is not finite, a field of
     /// view outside of 0 to 180 degrees.
     pub fn read(path: &Path) -> Result<Self, IoError> {
         Self::read_from(path, &FileSource::anywhere())
@@ -97,10 +97,10 @@ impl CameraPath {
     }
 }
 
-/// What the reader says of a field that it does not know.
+/// Message for an unknown field.
 const FIELDS: &str = "a keyframe has the fields eye, look, up and fov, and no other";
 
-/// A fault of a JSON list of keyframes or cameras, with its place.
+/// A fault of a JSON list of keyframes or cameras, with its position.
 pub(crate) fn broken_json(
     path: &Path,
     text: &str,
@@ -119,7 +119,7 @@ pub(crate) fn broken_json(
     }
 }
 
-/// The reader's words without what it quotes: the file may be no list at all, and what it holds nobody's business.
+/// The reader's message without quotations. The file may be no list at all, and its contents must not be shown.
 fn problem(error: &serde_json::Error, fields: &'static str) -> String {
     let text = error.to_string();
     let text = text.split(" at line ").next().unwrap_or_default();

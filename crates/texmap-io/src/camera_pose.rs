@@ -35,7 +35,7 @@ impl std::str::FromStr for CameraAxes {
     }
 }
 
-/// Where a camera stands and how it is turned.
+/// Position and orientation of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPose {
     /// Rows of the matrix from camera to world, or from world to camera.
@@ -50,8 +50,8 @@ impl CameraPose {
     /// `camera` at this pose.
     ///
     /// # Errors
-    /// One line that says what is wrong with the matrix: not finite, a last row other than 0 0 0 1, axes that are not at right
-    /// angles within a thousandth, not of one length, or left-handed.
+    /// One line with the fault of the matrix: not finite, a last row other than 0 0 0 1, axes that are not at right angles within a
+    /// thousandth, not of one length, or left-handed.
     pub fn place(&self, camera: &Camera) -> Result<Camera, String> {
         let given = DMat4::from_cols_array_2d(&self.rows).transpose();
         if !given.is_finite() {
@@ -150,7 +150,7 @@ impl Intrinsics {
 /// One camera of a list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedCamera {
-    /// Its name; none where the list gives none.
+    /// Name of the camera, if the list gives one.
     pub name: Option<String>,
     /// The camera itself.
     pub camera: Camera,
@@ -191,7 +191,7 @@ impl CameraList {
     /// Reads a list of at least one camera.
     ///
     /// # Errors
-    /// File errors, and [`IoError::BrokenPath`] with the place.
+    /// File errors, and [`IoError::BrokenPath`] with the position.
     pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
         let text = files.read_text(path, FileSource::MAX_LIST)?;
         let entries: Vec<Entry> =
@@ -206,7 +206,7 @@ impl CameraList {
         }
     }
 
-    /// Its cameras for pictures of `width` x `height` pixels; what an entry does not say is that of `base`.
+    /// The cameras of the list for pictures of `width` x `height` pixels. Fields that an entry lacks are those of `base`.
     ///
     /// # Errors
     /// [`IoError::BrokenPath`] with the number of the entry.
@@ -232,7 +232,7 @@ impl CameraList {
         entries.map(camera).collect()
     }
 
-    /// The names of its cameras, in order; none where the list gives none.
+    /// The names of the cameras, in order; `None` for those without a name.
     #[must_use]
     pub fn names(&self) -> Vec<Option<String>> {
         self.entries.iter().map(|e| e.name.clone()).collect()
@@ -246,7 +246,7 @@ impl CameraList {
     }
 }
 
-/// What the reader says of a field that it does not know.
+/// Message for an unknown field.
 const FIELDS: &str = "a camera has the fields name, matrix, axes, world_to_camera, eye, look, up, fov, fx, fy, cx, cy, width, height and orthographic_width, and no other";
 
 impl Entry {
@@ -308,7 +308,7 @@ mod tests {
         Camera::look_at([0.0, 0.0, 5.0], [0.0; 3])
     }
 
-    /// One camera, said in five ways.
+    /// One camera in five notations.
     #[test]
     fn poses_agree_whatever_their_axes_and_direction() {
         let wanted = Camera {

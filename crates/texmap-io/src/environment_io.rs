@@ -1,4 +1,4 @@
-//! Environments in and out: PNG and JPEG (sRGB), Radiance HDR and OpenEXR (linear light). Charts of several faces stand below each
+//! Environments in and out: PNG and JPEG (sRGB), Radiance HDR and OpenEXR (linear light). Layouts of several faces stand below each
 //! other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.
 
 use std::io;
@@ -13,12 +13,12 @@ use crate::files::FileSource;
 use crate::picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 use crate::{IoError, SourceLocation, image_io};
 
-/// Reads an image as an environment in a chart. Whole numbers (PNG, JPEG and the like) are sRGB, floats (HDR, EXR) linear light, also below 0;
+/// Reads an image as an environment. Whole numbers (PNG, JPEG and the like) are sRGB, floats (HDR, EXR) linear light, also below 0;
 /// alpha is not read.
 ///
 /// # Errors
 /// File errors; [`IoError::BrokenImage`], also for a NaN or infinity; [`IoError::EnvironmentSize`] for an image whose sides the
-/// chart cannot have (a lat-long map that is not 2:1).
+/// layout cannot have (a lat-long map that is not 2:1).
 pub fn read_environment(path: &Path, chart: EnvironmentLayout) -> Result<Environment, IoError> {
     read_named(&FileSource::anywhere(), path, chart, None)
 }
@@ -71,7 +71,7 @@ pub(crate) fn read_named(
     })
 }
 
-/// Rows of one face of an image of this size, if the chart can have it.
+/// Rows of one face of an image of this size, if the layout can have it.
 fn face_height(chart: EnvironmentLayout, width: u32, height: u32) -> Option<u32> {
     let faces = chart.faces() as u32;
     let face = height / faces;
@@ -218,7 +218,7 @@ mod tests {
         }
     }
 
-    /// 16 bits hold what 8 bits hold, 257 times as much.
+    /// Values of 16 bits are those of 8 bits times 257.
     #[test]
     fn wide_pixels_are_the_light_of_narrow_ones() {
         let dir = tempfile::tempdir().unwrap();

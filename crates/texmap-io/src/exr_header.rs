@@ -1,4 +1,4 @@
-//! Sizes that the header of an OpenEXR file states: the decoder allocates blocks by them, whatever the picture's own size is.
+//! Sizes that the header of an OpenEXR file states. The decoder allocates blocks by them, for pictures of any size.
 
 use std::io::Cursor;
 
@@ -9,8 +9,8 @@ use crate::image_io::MAX_SIDE;
 /// Bytes of a block that a file may ask for: 2 GiB.
 const MAX_BLOCK: usize = 1 << 31;
 
-/// Says which size of a layer no picture may have; `None` also for files of other kinds and with a broken header, which the decoder
-/// refuses.
+/// The fault of a header that states a size no picture may have. `None` also for files of other kinds and with a broken header,
+/// which the decoder refuses.
 pub(crate) fn fault(bytes: &[u8]) -> Option<String> {
     if !bytes.starts_with(b"\x76\x2f\x31\x01") {
         return None;

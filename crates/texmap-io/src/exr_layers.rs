@@ -22,7 +22,7 @@ pub struct ExrLayer<'a> {
     pub values: Values<'a>,
 }
 
-/// Channels of a layer by how many there are: a lone one is a depth.
+/// Names of the channels of a layer by their number; a single one is a depth.
 const NAMES: [&[&str]; 4] = [&["Z"], &["U", "V"], &["X", "Y", "Z"], &["R", "G", "B", "A"]];
 
 /// Writes linear, premultiplied colours and layers as OpenEXR, 32 bits a value, whole or not at all. `alpha` adds the fourth channel.

@@ -17,17 +17,17 @@ use crate::{IoError, SourceLocation};
 /// Text files (scenes, OBJ, MTL) and encoded images above this size are refused: 2 GiB.
 pub(crate) const MAX_TEXT: u64 = 1 << 31;
 
-/// Where files are read from: the whole file system, one folder, or memory.
+/// Source of files: the whole file system, one folder, or memory.
 ///
-/// Whatever opens a file to read it goes through this type. A pipe, a device or a folder is refused before it is opened. A file
-/// that grows meanwhile is read up to the size that it had.
+/// All files that are read are opened through this type. A pipe, a device or a folder is refused before it is opened. A file that
+/// grows meanwhile is read up to the size that it had.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FileSource {
-    /// Canonical; `None` for the whole file system.
+    /// The folder, canonical; `None` for the whole file system.
     root: Option<Arc<Path>>,
-    /// In place of the file system.
+    /// Files in memory, instead of those of the file system.
     held: Option<Arc<Held>>,
-    /// Asked before something large is read or made of what was read.
+    /// Memory budget, asked before something large is read or made of a file.
     memory: MemoryBudget,
 }
 
@@ -122,7 +122,7 @@ impl FileSource {
         self.memory
     }
 
-    /// Asks the memory budget for what a file, or a line of one, makes large.
+    /// Asks the memory budget for bytes that the contents of a file need.
     pub(crate) fn ask(
         &self,
         bytes: u64,
@@ -145,7 +145,7 @@ impl FileSource {
     /// The text of a UTF-8 file of at most `limit` bytes, without a byte order mark.
     ///
     /// # Errors
-    /// As [`FileSource::read`], and [`IoError::NotUtf8`] with the place.
+    /// As [`FileSource::read`], and [`IoError::NotUtf8`] with the position.
     pub fn read_text(&self, path: &Path, limit: u64) -> Result<String, IoError> {
         self.text_named(path, None, limit)
     }
@@ -225,7 +225,7 @@ impl FileSource {
         within_limit(path, Input::File(file), bytes, limit)
     }
 
-    /// Refuses what is missing, outside of the root, or no regular file.
+    /// Refuses files that are missing, outside of the root, or not regular.
     pub(crate) fn check(
         &self,
         path: &Path,
@@ -255,7 +255,7 @@ impl FileSource {
         }
     }
 
-    /// Whether there is something of this name that may be read.
+    /// True if there is something of this name that may be read.
     pub(crate) fn exists(&self, path: &Path) -> bool {
         if let Some(held) = &self.held {
             return held.get(path).is_some();
@@ -330,8 +330,8 @@ impl FileSource {
     }
 }
 
-/// Whether a file is called what its content is taken for. Messages quote nothing of a file that is not: a scene that names a
-/// stranger's file must not bring its words to light.
+/// True if the name of a file has the ending of its expected content. Messages quote nothing of other files: a scene that names a
+/// stranger's file must not disclose its words.
 pub(crate) fn is_called(path: &Path, ending: &str) -> bool {
     path.extension()
         .is_some_and(|e| e.eq_ignore_ascii_case(ending))
@@ -371,7 +371,7 @@ fn read_whole(file: impl Read, size: u64) -> io::Result<Vec<u8>> {
 fn read_at_once(file: File, size: u64) -> io::Result<Vec<u8>> {
     use std::os::unix::fs::FileExt;
 
-    // Zeroed pages come with the first byte that is written to each, which is most of the time of reading.
+    // The system zeroes memory pages at the first write to each, which is most of the time of reading.
     let mut bytes = vec![0; size as usize];
     let pieces = bytes.par_chunks_mut(LARGE as usize).enumerate();
     pieces.try_for_each(|(number, piece)| file.read_exact_at(piece, number as u64 * LARGE))?;
@@ -447,7 +447,7 @@ mod tests {
         let files = FileSource::anywhere();
         assert_eq!(files.read(&path, 10).unwrap().len(), 10);
         assert_eq!(files.read(&path, 9).unwrap_err().code(), "file-too-large");
-        // A hole of 3 GiB takes no room on the disk; it is refused by its size.
+        // A hole of 3 GiB takes no space on the disk; the file is refused by its size.
         File::options()
             .write(true)
             .open(&path)
@@ -488,7 +488,7 @@ mod tests {
             ("root/gone", "file-missing"),
             ("root/no/such/file", "file-missing"),
             ("root/maps", "not-a-file"),
-            // Names beside the root that begin like it, and what is elsewhere, whether it exists or not.
+            // Names beside the root that begin like it, and files elsewhere, whether they exist or not.
             ("rooted/secret", "outside-root"),
             ("secret", "outside-root"),
             ("gone", "outside-root"),

@@ -11,7 +11,7 @@ const COLUMNS: u32 = 16;
 const ROWS: u32 = 6;
 const FIRST: u32 = 0x20;
 
-/// White characters on nothing, from the blank to the tilde, and how they lie.
+/// White characters on a transparent atlas, from the blank to the tilde, and their layout.
 ///
 /// # Errors
 /// Never in practice: the atlas has a size that textures may have.

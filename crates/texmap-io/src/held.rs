@@ -1,4 +1,4 @@
-//! Files in memory, in place of a file system.
+//! Files in memory, instead of a file system.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -20,7 +20,7 @@ pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
 /// The most texels of an image: 2^28, 16384 x 16384.
 pub const MAX_TEXELS: u64 = 1 << 28;
 
-/// Endings of the names of images that are read. Which of them a file is, its content decides.
+/// Endings of the names of images that are read. The content of a file decides its format.
 pub const ENDINGS: &[&str] = &[
     "png",
     "jpg",
@@ -74,8 +74,8 @@ impl Depth {
 }
 
 impl Rgba {
-    /// The texels as floats, four a texel, with what their alpha means: linear light, or for [`ColorSpace::Linear`] the codes over
-    /// their largest. Floats are as they are.
+    /// The texels as floats, four a texel, with the meaning of their alpha. They are linear light, or for [`ColorSpace::Linear`] the
+    /// codes over their largest. Floats are as they are.
     #[must_use]
     pub fn into_floats(self, color: ColorSpace) -> (Vec<f32>, Alpha) {
         let light = match (&self.texels, color) {
@@ -117,8 +117,8 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
     read_named(&FileSource::anywhere(), path, None)
 }
 
-/// Decodes an image file to a texture of one level, top-left origin, and says how many bits a channel the file has. The colours of whole
-/// numbers are sRGB or taken as they are; floats (HDR, EXR) are linear light. The bytes of 8-bit files stay what they are in memory
+/// Decodes an image file to a texture of one level, top-left origin, and gives its bits a channel. The colours of whole numbers
+/// are sRGB or taken as they are; floats (HDR, EXR) are linear light. The bytes of 8-bit files are kept in memory
 /// ([`Texture2d::from_encoded8`]); those of 16 bits become floats, which keep each of their codes apart.
 ///
 /// # Errors
@@ -391,7 +391,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
             let problem = format!("{} bytes for {width} x {height} RGBA pixels", rgba.len());
             return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
         }
-        // One filter for all rows: 3 ms of 1024 x 768 pixels in place of 20 for the best of five, and 2 % more bytes.
+        // One filter for all rows: it takes 3 ms for 1024 x 768 pixels, the best of five 20 ms. Files have 2 % more bytes.
         PngEncoder::new_with_quality(out, CompressionType::Fast, FilterType::Paeth)
             .write_image(rgba, width, height, ExtendedColorType::Rgba8)
             .map_err(io::Error::other)

@@ -1,4 +1,4 @@
-//! What is in a file: meshes, maps, ranges of coordinates, and what is missing.
+//! Reports on files: meshes, maps, ranges of coordinates, and missing files.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use crate::{FileSource, IoError, image_io};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct FileInfo {
-    /// The file; in JSON with U+FFFD for what is no Unicode.
+    /// The file; in JSON with U+FFFD for bytes that are no Unicode.
     #[serde(serialize_with = "lossy")]
     pub file: PathBuf,
     /// `scene`, `obj`, `gltf`, `ply`, `stl` or `image`.
@@ -31,7 +31,7 @@ pub struct FileInfo {
     pub cameras: Vec<CameraInfo>,
     /// Animations, numbered from 0.
     pub animations: Vec<AnimationInfo>,
-    /// Extensions that a glTF names, and what becomes of them.
+    /// Extensions that a glTF names, and their treatment.
     pub extensions: Vec<ExtensionInfo>,
     /// Number of lights; a model by itself has none, but for those of a glTF.
     pub lights: usize,
@@ -40,9 +40,9 @@ pub struct FileInfo {
     /// Vertices that lie inside an edge of a face that does not have them, over all meshes together: pixels may be
     /// missing along such edges.
     pub t_joints: usize,
-    /// Too many vertices lie along too many edges to find them all: there may be more T-joints.
+    /// Too many vertices lie along too many edges to find them all: there may be more T-junctions.
     pub t_joints_at_least: bool,
-    /// What a picture of it would warn of.
+    /// Warnings that a picture of the file would give.
     pub warnings: Vec<String>,
 }
 
@@ -101,7 +101,7 @@ pub struct ExtensionInfo {
     pub name: String,
     /// The file cannot be read without.
     pub required: bool,
-    /// What becomes of it, in words.
+    /// Treatment of the extension, in words.
     pub support: &'static str,
 }
 
@@ -109,7 +109,7 @@ pub struct ExtensionInfo {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct NamedFile {
-    /// The file as it was looked for; in JSON with U+FFFD for what is no Unicode.
+    /// The file as it was looked for; in JSON with U+FFFD for bytes that are no Unicode.
     #[serde(serialize_with = "lossy")]
     pub path: PathBuf,
     /// `file:line:column` of the line that names it first; empty for an image by itself.
@@ -118,7 +118,7 @@ pub struct NamedFile {
     pub size: Option<[u32; 2]>,
     /// Bits a channel of an image.
     pub bits: Option<u32>,
-    /// Why it cannot be used.
+    /// Reason for which the file cannot be used.
     pub problem: Option<String>,
 }
 
@@ -131,7 +131,7 @@ pub fn info(path: &Path) -> Result<FileInfo, IoError> {
     info_with(path, &LoadOptions::default())
 }
 
-/// As [`info`], with options for what a scene or model is.
+/// As [`info`], with options of loading.
 ///
 /// # Errors
 /// As [`info`], and [`IoError::OutsideRoot`] for the file itself.
@@ -160,7 +160,7 @@ pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError
     })
 }
 
-/// What a file says beside its scene.
+/// Contents of a file beside its scene.
 #[derive(Debug, Default)]
 pub(crate) struct Contents {
     pub(crate) files: Vec<NamedFile>,
@@ -220,7 +220,7 @@ fn mesh(mesh: &Mesh, scene: &Scene) -> MeshInfo {
     }
 }
 
-/// T-joints of all meshes as one, in world space; none where a vertex is not finite.
+/// T-junctions of all meshes as one, in world space; none where a vertex is not finite.
 fn t_joints(scene: &Scene) -> TJunctions {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for mesh in &scene.meshes {

@@ -2,12 +2,12 @@
 //! files.
 //!
 //! - [`load`] reads a scene or model with everything that it names into a [`texmap_scene::Scene`]; [`info`] lists
-//!   what a file holds and what it names in vain.
+//!   the contents of a file and the files that it names in vain.
 //! - [`scene_file`] is the language alone: text to statements and back.
 //! - [`image_io`], [`write_pixels`], [`npy`], [`CameraPath`]: pictures, arrays, walks. [`framing`]: cameras that show a whole model.
 //! - [`atomic`]: files that are written whole or not at all; every writer here uses it.
 //!
-//! Everything is checked while it is read: an [`IoError`] names file, line and column, says why and what to try, and
+//! Everything is checked while it is read: an [`IoError`] names file, line and column, gives the reason and a remedy, and
 //! has a stable code. Colours of files are sRGB (HDR and EXR: linear light), `v` of a scene grows downwards and `v` of an OBJ upwards; the values
 //! are kept as they are and the mesh says where its origin is.
 //!

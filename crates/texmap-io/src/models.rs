@@ -13,19 +13,19 @@ use crate::{IoError, SourceLocation, obj, ply, stl};
 pub(crate) struct Request<'a> {
     pub(crate) path: &'a Path,
     pub(crate) named_by: Option<&'a SourceLocation>,
-    /// What an absent library, material or map is.
+    /// Treatment of an absent library, material or map.
     pub(crate) missing: Missing,
-    /// Whether faces without a material will get a texture and so need coordinates.
+    /// True if faces without a material will get a texture and so need coordinates.
     pub(crate) textured: bool,
 }
 
-/// Reads a model with what it names, and says how many bytes its own file has.
+/// Reads a model with the files that it names; gives the number of bytes of its own file.
 type Reader = fn(&Request<'_>, &mut Textures) -> Result<(Model, usize), IoError>;
 
 /// The reader for each ending.
 const READERS: [(&str, Reader); 3] = [("obj", obj::read), ("ply", ply::read), ("stl", stl::read)];
 
-/// Reads a model with what it names; a file with an unknown ending is taken for an OBJ.
+/// Reads a model with the files that it names; a file with an unknown ending is taken for an OBJ.
 pub(crate) fn read(request: &Request<'_>, textures: &mut Textures) -> Result<Model, IoError> {
     let Request { path, named_by, .. } = *request;
     let key = (path.to_path_buf(), request.missing, request.textured);

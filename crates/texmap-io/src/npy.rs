@@ -124,7 +124,7 @@ impl<'a> Stored<'a> {
                 limit: MAX_BYTES,
             });
         }
-        // What is read a block at a time.
+        // Values are read a block at a time.
         let what = format_args!("the array of shape {shape:?} of {}", path.display());
         files.ask(kept, what, "take a smaller array", named_by)?;
         Ok(Self {

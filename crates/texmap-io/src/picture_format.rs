@@ -1,4 +1,4 @@
-//! Picture files that are written: their formats, chosen by the ending of a name, and how their pixels lie.
+//! Formats of the picture files that are written, and the layout of their pixels. The ending of a name chooses the format.
 
 use std::io::{self, Cursor, Write};
 use std::ops::AddAssign;
@@ -30,7 +30,7 @@ pub enum PictureFormat {
 }
 
 impl PictureFormat {
-    /// All of them.
+    /// Every format.
     pub const ALL: [Self; 5] = [Self::Png, Self::Jpeg, Self::WebP, Self::Hdr, Self::Exr];
 
     /// The format that the ending of a name says, in capitals or not.
@@ -62,18 +62,18 @@ impl PictureFormat {
     }
 }
 
-/// How the pixels of a file lie in memory: made of linear, premultiplied colours.
+/// Layout in memory of the pixels of a file, which are made of linear, premultiplied colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelCode {
     /// Red, green, blue and straight alpha of 8 bits, sRGB or as they are.
     Png8(ColorSpace),
-    /// The same of 16 bits.
+    /// Red, green, blue and straight alpha of 16 bits, sRGB or as they are.
     Png16(ColorSpace),
     /// Red, green and blue of 8 bits over black, sRGB or as they are.
     Jpeg(ColorSpace),
     /// As [`Png8`](Self::Png8).
     WebP(ColorSpace),
-    /// Red, green and blue over black, rounded to what RGBE holds.
+    /// Red, green and blue over black, rounded to RGBE.
     Hdr,
     /// Red, green and blue over black.
     Exr,
@@ -93,7 +93,7 @@ pub struct Lost {
 }
 
 impl Lost {
-    /// Whether every pixel is held.
+    /// True if the file holds every pixel as it is.
     #[must_use]
     pub fn nothing(&self) -> bool {
         *self == Self::default()
@@ -111,7 +111,7 @@ impl AddAssign for Lost {
 /// The largest value that RGBE holds: 255/256 of 2^127.
 const HDR_MOST: f32 = f32::from_bits(0x7eff_0000);
 
-/// Out of 100; above it, files grow and nothing is seen of it.
+/// JPEG quality, out of 100; above it, files grow without a visible gain.
 const JPEG_QUALITY: u8 = 90;
 
 impl PixelCode {
@@ -137,8 +137,8 @@ impl PixelCode {
         }
     }
 
-    /// Encodes linear, premultiplied colours into as many times [`bytes`](Self::bytes); what is beyond either slice is left. NaN becomes 0
-    /// in PNG and HDR.
+    /// Encodes linear, premultiplied colours into as many times [`bytes`](Self::bytes). Colours and bytes beyond the shorter slice are
+    /// left out. NaN becomes 0 in PNG and HDR.
     pub fn encode(self, colors: &[[f32; 4]], out: &mut [u8]) -> Lost {
         let mut lost = Lost::default();
         for (c, out) in colors.iter().zip(out.chunks_exact_mut(self.bytes())) {

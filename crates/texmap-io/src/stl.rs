@@ -19,7 +19,7 @@ const HEAD: usize = 84;
 /// Bytes of a triangle: a normal, three corners and two bytes more.
 const TRIANGLE: usize = 50;
 
-/// Reads a model, and says how many bytes it has.
+/// Reads a model; gives the number of its bytes.
 pub(crate) fn read(
     request: &Request<'_>,
     textures: &mut Textures,
@@ -44,7 +44,7 @@ pub(crate) fn read(
         });
     }
     let count = corners.len() as u32 / 3;
-    // What the file says of normals is often wrong or zero; the order of the corners says the same.
+    // Normals of the file are often wrong or zero; the order of the corners gives them too.
     let triangles = corners.as_chunks::<3>().0.par_iter();
     let normals = triangles.map(|triangle| {
         let [a, b, c] = triangle.map(|p| DVec3::from(p.map(f64::from)));
@@ -82,7 +82,8 @@ fn project(part: &mut Part) {
     );
 }
 
-/// Whether a file is binary: as long as its number of triangles says, or no text. Binary files may begin with `solid`, as text does.
+/// True if a file is binary. It has the length that its number of triangles demands, or is no text. Binary files may begin with
+/// `solid`, as text does.
 fn is_binary(bytes: &[u8]) -> bool {
     let said = stated(bytes).map(|count| HEAD as u64 + TRIANGLE as u64 * u64::from(count));
     if said == Some(bytes.len() as u64) {
@@ -148,7 +149,7 @@ fn binary(path: &Path, bytes: &[u8]) -> Result<Vec<[f32; 3]>, IoError> {
     }
 }
 
-/// The corners of a text: what stands after each `vertex`, three in each `facet`.
+/// The corners of a text: the numbers after each `vertex`, three in each `facet`.
 fn ascii(path: &Path, text: &[u8]) -> Result<Vec<[f32; 3]>, IoError> {
     let mut corners = Vec::new();
     // Corners of the facet that is open.

@@ -15,7 +15,7 @@ use crate::{grids, image_io};
 /// Bytes of models and libraries that a scene may have read a second time.
 const MAX_REPEATED: usize = 1 << 27;
 
-/// What a map holds.
+/// Content of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Content {
     /// Colours: sRGB, or linear light where they are floats.
@@ -31,7 +31,7 @@ pub(crate) enum Content {
 pub(crate) struct MapFile {
     pub(crate) path: PathBuf,
     pub(crate) location: SourceLocation,
-    /// Width, height, bits a channel; or what is wrong.
+    /// Width, height, bits a channel; or the fault.
     pub(crate) found: Result<(u32, u32, u32), String>,
 }
 
@@ -47,9 +47,9 @@ pub(crate) struct Textures {
     pub(crate) files: Vec<MapFile>,
     /// Colours are taken as they are, too.
     raw: bool,
-    /// Where maps are read from.
+    /// Source of the files of maps.
     pub(crate) source: FileSource,
-    /// What a missing map is, whatever a scene says.
+    /// Treatment of a missing map, whatever a scene says.
     pub(crate) missing: Option<Missing>,
     /// Every fault is only noted in `files` (for reports on files).
     pub(crate) tolerant: bool,
@@ -77,7 +77,7 @@ impl Textures {
         }
     }
 
-    /// The text of a model or library. A scene may name one again and again, so what is read twice is limited in all.
+    /// The text of a model or library. A scene may name one again and again, so texts that are read twice are limited in all.
     pub(crate) fn text(
         &mut self,
         path: &Path,
@@ -92,7 +92,7 @@ impl Textures {
             .map(|()| text)
     }
 
-    /// The same for a model that is no text.
+    /// The bytes of a model that is no text, counted like texts.
     pub(crate) fn bytes(
         &mut self,
         path: &Path,
@@ -105,7 +105,7 @@ impl Textures {
         Ok(bytes)
     }
 
-    /// For a model of which only the coordinates matter: its maps are loaded apart, what is read twice is counted here.
+    /// Textures for a model of which only the coordinates are used. Its maps are loaded apart; models read twice are counted here.
     pub(crate) fn for_coordinates(&mut self) -> Self {
         Self {
             texts: std::mem::take(&mut self.texts),
@@ -119,12 +119,12 @@ impl Textures {
         (self.texts, self.repeated) = (other.texts, other.repeated);
     }
 
-    /// Whether this model or library was read before.
+    /// True if this model or library was read before.
     pub(crate) fn was_read(&self, path: &Path) -> bool {
         self.texts.contains(path)
     }
 
-    /// Counts the text of what was read before.
+    /// Counts the text of a model or library that was read before.
     pub(crate) fn read_again(
         &mut self,
         path: &Path,
@@ -258,7 +258,7 @@ impl Textures {
         Ok(index)
     }
 
-    /// A warning that a checker stands in for a map, or the error where none may.
+    /// A warning that a checker replaces a map, or the error if no checker may.
     fn forgive(
         &mut self,
         path: &Path,
@@ -326,7 +326,7 @@ fn named(missing: Missing) -> &'static str {
     }
 }
 
-/// What is drawn where a map is missing: loud and never mistaken for a material, or grey, which as heights or normals is flat.
+/// Substitute of a missing map. It is a checker that no material looks like, or grey, which as heights or normals is flat.
 pub(crate) fn stand_in(missing: Missing, content: Content) -> Texture2d<'static> {
     const SIDE: u32 = 8;
     if missing == Missing::Grey {

@@ -1,5 +1,5 @@
-//! "What's the best chart?" (MIT 6.837, lecture 18, slide 29): prints the page `docs/generated/charts.md`. The error of each chart on a
-//! known function of directions, at about 24,400 stored texels, bilinear, without seams.
+//! Errors of the environment layouts, as the page `docs/generated/charts.md` (MIT 6.837, lecture 18). The light is a known
+//! function of directions, stored in about 24,400 texels, and looked up bilinearly and without seams.
 #![allow(clippy::print_stdout, reason = "the page is its output")]
 
 use std::f64::consts::TAU;
@@ -8,7 +8,7 @@ use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
 
-/// How often the waves are drawn: one draw says little about a chart whose error sits at one direction.
+/// Number of draws of the waves. One draw says little about a layout whose error is concentrated around one direction.
 const DRAWS: u64 = 16;
 
 fn main() {

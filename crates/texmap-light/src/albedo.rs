@@ -1,5 +1,5 @@
-//! Directional albedos of the microfacet lobes: what a lobe returns of even light, by its roughness and the cosine to the eye (the
-//! split-sum tables), off by 0.005 at most, of sheen by 0.012. They come from `examples/albedo_table.rs`.
+//! Directional albedos of the microfacet lobes, by their roughness and the cosine to the eye. The split-sum tables are off by at
+//! most 0.005, those of sheen by 0.012; `examples/albedo_table.rs` writes them.
 
 mod table;
 
@@ -49,7 +49,7 @@ pub(crate) fn sheen<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> I::F32 {
     around.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)])
 }
 
-/// The four words around a place of a table, and its distances from the first.
+/// The four words around a position in a table, and the distances of the position from the first.
 struct Around<I: Isa> {
     words: [I::U32; 4],
     x: I::F32,

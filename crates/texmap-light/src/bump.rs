@@ -67,7 +67,7 @@ impl Heights<'_> {
     }
 
     /// The slopes themselves, for an offset map: the change of height over the whole picture, to the right and up or down it by
-    /// `green`, as a share of the largest change, which is the second result. [`encode_offsets`] makes texels of them. `height` is that
+    /// `green`, as a fraction of the largest change, which is the second result. [`encode_offsets`] makes texels of them. `height` is that
     /// of 1.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ pub fn encode_normal(normal: [f32; 3], green: NormalMapGreen) -> [f32; 3] {
     [x, if green == NormalMapGreen::Up { y } else { -y }, z].map(|c| 0.5 * c + 0.5)
 }
 
-/// The slopes of a height field from the red and green of an offset map, 0..=1 each: `2c - 1`, as a share of the map's largest
+/// The slopes of a height field from the red and green of an offset map, 0..=1 each. They are `2c - 1`, as a fraction of the map's largest
 /// slope; the second along growing v, down the picture. Blinn's other way to store a bump map (Blinn 1978): nothing is differenced at
 /// the look-up, so nothing is lost by it.
 ///
@@ -290,7 +290,7 @@ mod tests {
         );
     }
 
-    /// An offset map holds what differences of the heights give, in both greens and within its 8 bits.
+    /// An offset map holds the differences of the heights, in both greens and within its 8 bits.
     #[test]
     fn offsets_are_the_slopes_of_the_heights() {
         let height = |x: u32, y: u32| {
@@ -328,7 +328,7 @@ mod tests {
         assert_eq!((offsets[0].map(f32::abs), most), ([0.0; 2], 0.0));
     }
 
-    /// Case B3: what 8 bits cost, with three channels and with two.
+    /// Case B3: the error of 8 bits, with three channels and with two.
     #[test]
     fn eight_bits_cost_a_known_angle() {
         let (mut full, mut rebuilt) = (0.0f64, 0.0f64);
@@ -379,7 +379,7 @@ mod tests {
             let b_v = -2.0 * amplitude * (3.0 * u).sin() * (2.0 * v).sin();
             let narrow = |a: DVec3| a.to_array().map(|c| c as f32);
             let got = if unit_first {
-                // The slide's reading, with N overwritten by its unit vector.
+                // The lecture's reading, with N overwritten by its unit vector.
                 let n = o_v.cross(o_u).normalize();
                 n + n.cross(o_u) * b_v - n.cross(o_v) * b_u
             } else {
@@ -412,7 +412,7 @@ mod tests {
         let expected = bump(o_u, o_v, 0.4, -0.3);
         assert_eq!(bump_on(up, o_u, o_v, 0.4, -0.3), expected);
         assert_eq!(bump_on(up, o_v, o_u, -0.3, 0.4), expected);
-        // Seen from behind, what was a bump is still one: it leans the same way.
+        // A bump is a bump from behind, too: it leans the same way.
         let down = bump_on([0.0, 0.0, -1.0], o_u, o_v, 0.4, -0.3);
         assert!(
             (wide(down) - DVec3::new(-0.196_116, 0.098_058, -0.975_7)).length() < 2e-3,

@@ -1,4 +1,4 @@
-//! Faces of a cube in f32: which one a direction meets, and its coordinates there, in the order and orientation of
+//! Faces of a cube in f32. Faces of directions and coordinates on the faces have the order and orientation of
 //! [`EnvironmentLayout::Cube`](crate::EnvironmentLayout::Cube).
 
 use texmap_math::simd::{Isa, prelude::*};
@@ -96,7 +96,7 @@ mod tests {
         grid.filter(|d| d.iter().any(|c| *c != 0.0))
     }
 
-    /// At every width.
+    /// Faces and coordinates are those of the cube layout, at every width.
     #[test]
     fn faces_are_those_of_the_chart() {
         let all: Vec<_> = directions().collect();

@@ -1,4 +1,4 @@
-//! Environments: light from every direction, stored in a chart, and its bilinear look-ups.
+//! Environments: light from every direction, stored in a layout, and its bilinear look-ups.
 
 mod convert;
 mod level;
@@ -23,11 +23,11 @@ pub struct Environment {
     pub(crate) texels: Vec<[f32; 3]>,
     /// The texels in [`packed`](crate::packed) form, where [`radiance_filtered`](Self::radiance_filtered) reads that; else empty.
     pub(crate) packed: Vec<u32>,
-    /// At least one.
+    /// Mip levels, at least one.
     pub(crate) levels: Vec<Level>,
-    /// Of these levels.
+    /// The levels as tables, for look-ups by level.
     pub(crate) table: LevelTable,
-    /// Of the highlight that was gathered.
+    /// Exponent of the highlight that was gathered.
     pub(crate) exponent: Option<f32>,
 }
 
@@ -35,7 +35,7 @@ impl Environment {
     /// Longest side of a face.
     pub const MAX_SIDE: u32 = 8192;
 
-    /// Texels that hold `light` of their centre's direction, borders too. `size` is the height of a face.
+    /// An environment whose texels hold the `light` of their centres' directions, borders too. `size` is the height of a face.
     ///
     /// # Errors
     /// [`LightError::LayoutSize`] for a size of 0 or a side above [`Environment::MAX_SIDE`].
@@ -53,8 +53,8 @@ impl Environment {
         Ok(Self::of(chart, places.size, texels))
     }
 
-    /// Texels that hold the `light` of a face, the texel's centre and the face's sides, both in texels; borders too. With the feature
-    /// `rayon` by every thread of the current pool, in no particular order.
+    /// An environment whose texels, borders too, are made by `light`. Its arguments are a face, a texel's centre and the face's sides,
+    /// both in texels. With the feature `rayon` by every thread of the current pool, in no particular order.
     ///
     /// # Errors
     /// As [`Environment::from_fn`].
@@ -78,11 +78,11 @@ impl Environment {
         Ok(Self::of(chart, places.size, texels))
     }
 
-    /// From images of the faces, linear light, one after the other, rows top to bottom. Their borders are read from the
-    /// neighbours.
+    /// An environment from images of the faces, linear light, one after the other, rows top to bottom. The borders of the faces are
+    /// read from the neighbours.
     ///
     /// # Errors
-    /// [`LightError::LayoutSize`] unless each face has the chart's shape (2:1 for lat-long, else square) and a side in
+    /// [`LightError::LayoutSize`] unless each face has the layout's shape (2:1 for lat-long, else square) and a side in
     /// range; [`LightError::Length`] unless `texels` fills the faces; [`LightError::Texel`] for one that is not finite.
     pub fn from_texels(
         chart: EnvironmentLayout,
@@ -128,7 +128,7 @@ impl Environment {
         }
     }
 
-    /// The first levels of environments of one chart as the levels of one.
+    /// The first levels of environments of one layout as the levels of one.
     pub(crate) fn of_levels(first: &Self, others: &[Self]) -> Self {
         let (mut texels, mut levels) = (Vec::new(), Vec::new());
         for environment in core::iter::once(first).chain(others) {
@@ -149,7 +149,7 @@ impl Environment {
         }
     }
 
-    /// The chart.
+    /// The layout.
     #[must_use]
     pub fn layout(&self) -> EnvironmentLayout {
         self.layout
@@ -214,7 +214,7 @@ impl Environment {
     }
 }
 
-/// The texels of a chart with their borders, face by face, row by row.
+/// The texels of a layout with their borders, face by face, row by row.
 struct Places {
     faces: usize,
     size: (u32, u32),
@@ -267,7 +267,7 @@ mod tests {
                 light(chart.direction(face, centre / sides))
             });
             assert_eq!(one_by_one, in_any_order, "{chart:?}");
-            // A face's first texel: what lies before it is the border's row and one texel of its own.
+            // A face's first texel, after the border's row and one border texel of its own row.
             let texel = one_by_one.unwrap().texel(0, 0, 0);
             let (w, h) = (13 * chart.aspect(), 13);
             let uv = DVec2::new(0.5 / f64::from(w), 0.5 / f64::from(h));

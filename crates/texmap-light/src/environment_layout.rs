@@ -12,14 +12,13 @@ use texmap_math::glam::{DVec2, DVec3};
 ///
 /// Coordinates (u, v) lie in 0..=1 with v downwards; texel (i, j) of a w x h face has its centre at
 /// ((i + 1/2)/w, (j + 1/2)/h). Right-handed directions, +Y up. All computations are f64 with texmap's own
-/// trigonometry; a direction that comes back from its chart differs by less than 1e-12.
+/// trigonometry; a direction that comes back from its layout differs by less than 1e-12.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EnvironmentLayout {
     /// Six faces +X -X +Y -Y +Z -Z, oriented as in Vulkan 1.4 (section Cube Map Face Selection), z before y
     /// before x where components tie.
     Cube,
-    /// The cube with `atan` of the face coordinates, which evens out the solid angles (ratio sqrt 2 in place of
-    /// 5.2).
+    /// The cube with `atan` of the face coordinates, which evens out the solid angles. Their ratio is sqrt 2 instead of 5.2.
     TanCube,
     /// Longitude and latitude, 2:1: +Y is the top row, -Z the middle, +X to its right.
     LatLong,
@@ -33,13 +32,13 @@ pub enum EnvironmentLayout {
     SphereMap,
 }
 
-/// A name that is not a chart's.
+/// A name that is not a layout's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownLayout;
 
 impl fmt::Display for UnknownLayout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("unknown chart: choose from")?;
+        f.write_str("unknown layout: choose from")?;
         EnvironmentLayout::ALL
             .iter()
             .try_for_each(|chart| write!(f, " {}", chart.name()))
@@ -60,7 +59,7 @@ impl FromStr for EnvironmentLayout {
 }
 
 impl EnvironmentLayout {
-    /// Every chart.
+    /// Every layout.
     pub const ALL: [Self; 7] = [
         Self::Cube,
         Self::TanCube,
@@ -85,7 +84,7 @@ impl EnvironmentLayout {
         }
     }
 
-    /// Rectangles of the chart.
+    /// Rectangles of the layout.
     #[must_use]
     pub fn faces(self) -> usize {
         match self {
@@ -210,7 +209,7 @@ impl EnvironmentLayout {
         }
     }
 
-    /// Solid angle (steradians) of texel (x, y) of a `width` x `height` face, by its corners; 0 where the chart
+    /// Solid angle (steradians) of texel (x, y) of a `width` x `height` face, by its corners. It is 0 where the layout
     /// shows nothing. The faces of all texels add up to 4 pi, but for paraboloids, whose corners show again what
     /// the other face has: those count 0.
     #[must_use]
@@ -272,7 +271,7 @@ fn cube_direction(face: usize, p: DVec2) -> DVec3 {
     })
 }
 
-/// From -1..=1, y up, to 0..=1, v down.
+/// Face coordinates 0..=1, v down, from -1..=1, y up.
 fn unit(p: DVec2) -> DVec2 {
     DVec2::new(0.5 * p.x + 0.5, 0.5 - 0.5 * p.y)
 }
@@ -377,7 +376,7 @@ mod tests {
         }
     }
 
-    /// A step over an edge of a face lands where the neighbour's texels are, not across the chart.
+    /// A step over an edge of a face lands where the neighbour's texels are, not across the layout.
     #[test]
     fn borders_continue_onto_their_neighbours() {
         for chart in EnvironmentLayout::ALL {

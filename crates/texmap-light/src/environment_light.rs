@@ -21,7 +21,7 @@ use gather::{Kernel, Texels};
 /// the eye sees a surface at grazing incidence, whose reflections are longer than wide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentLight {
-    /// A cube. Level k is what a roughness of k / 10 gathers; level 0 is the environment.
+    /// A cube. Level k holds the light that the lobe of a roughness of k / 10 gathers; level 0 is the environment.
     rough: Environment,
     /// Cosine-weighted means over hemispheres: irradiance over pi.
     diffuse: Environment,
@@ -50,7 +50,7 @@ fn side(step: usize) -> u32 {
 }
 
 impl EnvironmentLight {
-    /// The lobes' light of an environment, from a cube of `size` texels a side: at least 16, at most
+    /// The light that the lobes gather of an environment, from a cube of `size` texels a side. `size` is at least 16 and at most
     /// [`Environment::MAX_SIDE`]; a quarter of a lat-long's width keeps its detail. With the feature `rayon` by every thread of the
     /// current pool; the same bits.
     ///
@@ -73,7 +73,7 @@ impl EnvironmentLight {
         Self::of_cube(cube)
     }
 
-    /// Of a cube that is as large as its level 0 shall be.
+    /// The light of a cube that has the size of level 0.
     fn of_cube(cube: Environment) -> Result<Self, LightError> {
         let (size, _) = cube.size();
         let mut cube = cube;
@@ -119,7 +119,7 @@ impl EnvironmentLight {
         })
     }
 
-    /// Turned about +Y by an angle in radians: what was at +X comes to -Z at a right angle.
+    /// The light turned about +Y by an angle in radians. A right angle turns +X to -Z.
     #[must_use]
     pub fn turned(mut self, angle: f64) -> Self {
         let (sin, cos) = deterministic_f64::sin_cos(angle);
@@ -133,7 +133,7 @@ impl EnvironmentLight {
         self.rough.size().0
     }
 
-    /// Levels of roughness: level k of `n` is what a roughness of `k / (n - 1)` gathers.
+    /// Number of roughness levels. Level k of `n` holds the light that the lobe of a roughness of `k / (n - 1)` gathers.
     #[must_use]
     pub fn levels(&self) -> usize {
         self.rough.levels()

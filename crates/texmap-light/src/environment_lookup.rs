@@ -1,4 +1,4 @@
-//! Mirrors: the light of an environment over the footprint of a mirrored ray.
+//! Reflections: the light of an environment over the footprint of a mirrored ray.
 
 mod on_face;
 
@@ -21,9 +21,9 @@ impl Environment {
     /// Light from the directions that a pixel sees: bilinear on the two levels around its footprint, if there are levels
     /// ([`with_mips`](Self::with_mips)), else on the only one. Zero and non-finite directions read as +Z.
     ///
-    /// Places are f32, off by less than 4e-7 of a face; [`radiance`](Self::radiance) is the reference without a footprint. A cube's footprint is
-    /// that of its face coordinates (Vulkan 1.4, section Cube Map Derivative Transformation), another chart's that of its mean solid
-    /// angle per texel.
+    /// Coordinates are f32, off by less than 4e-7 of a face; [`radiance`](Self::radiance) is the reference without a footprint. A cube's
+    /// footprint is that of its face coordinates (Vulkan 1.4, section Cube Map Derivative Transformation), another layout's that of its
+    /// mean solid angle per texel.
     #[must_use]
     pub fn radiance_filtered(&self, ray: &Ray) -> [f32; 3] {
         self.radiance_lanes(Scalar, ray)
@@ -69,7 +69,7 @@ impl Environment {
         self.filtered::<I, true>(i, side.face(i), place, dx.above(dy))
     }
 
-    /// Other charts. Out of line, so that kernels with cubes stay short.
+    /// Look-ups in other layouts. Out of line, so that kernels with cubes stay short.
     #[inline(never)]
     fn radiance_of_chart<I: Isa>(&self, i: I, ray: &RayLanes<I>) -> Vector<I> {
         i.vectorize(
@@ -92,7 +92,7 @@ impl Environment {
         texels * (1.0 / (4.0 * core::f32::consts::PI))
     }
 
-    /// The light at places, by squared footprints in texels; faces are as wide as high if `SQUARE`.
+    /// The light at coordinates of faces, by squared footprints in texels. Faces are as wide as high if `SQUARE`.
     #[inline(always)]
     fn filtered<I: Isa, const SQUARE: bool>(
         &self,
@@ -229,7 +229,7 @@ mod tests {
     use crate::vector::{columns, load};
     use alloc::vec::Vec;
 
-    /// Footprints choose the level: a stripe pattern fades to its mean as pixels grow, on every chart, and not without levels.
+    /// Footprints choose the level. A stripe pattern fades to its mean as pixels grow, on every layout, and not without levels.
     #[test]
     fn wide_footprints_read_the_mean() {
         for chart in EnvironmentLayout::ALL {
@@ -297,7 +297,7 @@ mod tests {
         noise.unwrap()
     }
 
-    /// Without levels it is the light of f64 places, but for what f32 ones lose.
+    /// Without levels the light is that of f64 coordinates within the error of f32 ones.
     #[test]
     fn light_across_is_light_where_there_are_no_levels() {
         for chart in EnvironmentLayout::ALL {
@@ -316,12 +316,12 @@ mod tests {
                     largest = largest.max((a - b).abs());
                 }
             }
-            // 4e-7 of 64 texels (128 of a lat-long chart), each up to 1 from the next, in two directions.
+            // 4e-7 of 64 texels (128 of a lat-long layout), each up to 1 from the next, in two directions.
             assert!(largest > 0.0 && largest < 1.1e-4, "{chart:?}: {largest}");
         }
     }
 
-    /// Every width gives the bits of one ray in every chart, where all see one level and where each sees its own, in packed texels and
+    /// Every width gives the bits of one ray in every layout. Rays see one level or each its own, in packed texels and
     /// floats, without levels, at edges of faces, and along directions that are none.
     #[test]
     fn widths_agree() {
@@ -386,7 +386,7 @@ mod tests {
         }
     }
 
-    /// Neither zero nor what is not finite gives more than light of the map.
+    /// Directions that are zero or not finite give light of the map.
     #[test]
     fn bad_rays_read_something_finite() {
         let sky = Environment::from_fn(EnvironmentLayout::Cube, 16, |_| [0.5; 3]).unwrap();

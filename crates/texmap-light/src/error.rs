@@ -2,7 +2,7 @@ use core::fmt;
 
 use crate::{Environment, EnvironmentLayout};
 
-/// Why a slice function refused its input. Nothing has been written when it is returned.
+/// Reason for which a slice function refused its input. Nothing has been written when the error is returned.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LightError {
@@ -15,9 +15,9 @@ pub enum LightError {
         /// The length that the output slice asks for.
         expected: usize,
     },
-    /// A face of an environment that its chart cannot have.
+    /// A face of an environment that its layout cannot have.
     LayoutSize {
-        /// The chart.
+        /// The layout.
         chart: EnvironmentLayout,
         /// Texels.
         width: u32,

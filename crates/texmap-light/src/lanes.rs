@@ -1,6 +1,6 @@
 //! Effects for the lanes of an [`Isa`], for stages that are generic over it; outside semantic versioning.
 //!
-//! One source gives every width: a lane has the bits that [`Scalar`](texmap_math::simd::Scalar) gives its point, on every level.
+//! One source gives every width: a lane has the bits that [`Scalar`](texmap_math::simd::Scalar) gives its point, on every SIMD level.
 
 use texmap_math::simd::{Isa, X16};
 

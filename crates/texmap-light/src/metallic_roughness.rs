@@ -11,14 +11,14 @@ use crate::share::arriving;
 use crate::vector::{add, cross, dot, scale, splat, unit};
 use crate::{EnvironmentLight, Light, albedo};
 
-/// Perceptual roughnesses below this count as this: lights have no size, and a mirror would not show them.
+/// Least perceptual roughness; lower ones count as this. Lights have no size, and a mirror would not show them.
 pub const MIN_ROUGHNESS: f32 = 0.03;
-/// The same for sheen: the formula of smoother cloth returns more light than it gets.
+/// Least perceptual roughness of sheen. The formula of smoother cloth returns more light than the cloth receives.
 pub const SHEEN_MIN_ROUGHNESS: f32 = 0.2;
-/// Cosines to the eye below this count as this.
+/// Least cosine to the eye; lower ones count as this.
 const MIN_COSINE: f32 = 1e-4;
-/// Shares below this count as this where they divide. Smooth surfaces (of a roughness up to 0.25) scatter less than that more than
-/// once, and get less than all of it back.
+/// Least fraction of light that is divided by; lower ones count as this. Smooth surfaces (of a roughness up to 0.25) scatter a
+/// smaller fraction more than once, and get less than all of that light back.
 pub(crate) const MIN_SHARE: f32 = 0.01;
 
 /// A surface at the points of a block. Colours are linear; all numbers are within 0 to 1 but colours of metals, which may be above.
@@ -91,20 +91,21 @@ pub struct ReflectanceLanes<I: Isa> {
     smooth: Vector<I>,
     view: Vector<I>,
     nv: I::F32,
-    /// Perceptual, at least the least.
+    /// Perceptual roughness, at least [`MIN_ROUGHNESS`].
     roughness: I::F32,
     alpha: I::F32,
     f0: Vector<I>,
     f90: I::F32,
-    /// What the GGX lobe returns of even light at the first bounce, and at further ones.
+    /// Directional albedo of the GGX lobe at the first bounce, and at further ones.
     once: Vector<I>,
     again: Vector<I>,
-    /// What the diffuse base returns of even light.
+    /// Directional albedo of the diffuse base.
     diffuse: Vector<I>,
-    /// Of further bounces and of the base for one light, but for the factors of its direction.
+    /// Reflectance of further bounces and of the base for one light, without the factors of its direction.
     again_of_light: Vector<I>,
     diffuse_of_light: Vector<I>,
-    /// The dielectric's reflectances, the brightest channel's, and what it returns of light that it scatters further.
+    /// Reflectances of the dielectric's brightest channel, head on and at grazing incidence. The third value is the fraction of its
+    /// further scattered light that leaves.
     dielectric: [I::F32; 3],
     coat: Option<Coat<I>>,
     sheen: Option<Sheen<I>>,
@@ -118,7 +119,7 @@ struct Coat<I: Isa> {
     nv: I::F32,
     /// The eye is in front of the layer.
     seen: I::Mask,
-    /// Returned of even light, and left for what is below.
+    /// Directional albedo, and the fraction of light left for the layers below.
     albedo: I::F32,
     left: I::F32,
 }
@@ -134,8 +135,8 @@ struct Sheen<I: Isa> {
 }
 
 impl<I: Isa> ReflectanceLanes<I> {
-    /// Of a surface with a unit normal (bent by maps), the unit normal of its clear layer, and the unit vector to the eye. Normals
-    /// that look away from the eye count as seen at grazing incidence.
+    /// The reflectance of a surface seen along a unit vector to the eye. `normal` is its unit normal (bent by maps), `smooth` that of
+    /// its clear layer. Normals that look away from the eye count as seen at grazing incidence.
     #[inline(always)]
     pub fn new(
         i: I,
@@ -262,7 +263,7 @@ impl<I: Isa> ReflectanceLanes<I> {
         out
     }
 
-    /// Radiance towards the eye of an environment, of which `share` reaches the points.
+    /// Radiance towards the eye from an environment. The fraction `share` of its light reaches the points.
     #[inline(always)]
     pub fn under_environment(&self, i: I, light: &EnvironmentLight, share: I::F32) -> Vector<I> {
         let irradiance = light.irradiance_lanes(i, self.normal);
@@ -300,7 +301,8 @@ impl<I: Isa> ReflectanceLanes<I> {
         out
     }
 
-    /// Under light that is even within each lobe: of the base, its GGX lobe, and that of the clear layer.
+    /// Radiance towards the eye under light that is even within each lobe. The lights are those of the base, its GGX lobe and the clear
+    /// layer.
     #[inline(always)]
     fn under_even(
         &self,
@@ -325,14 +327,15 @@ impl<I: Isa> ReflectanceLanes<I> {
 
 /// Light that leaves a rough surface after more than one bounce (Kulla and Conty 2017).
 struct Bounces<I: Isa> {
-    /// Mean albedo of the lobe, the rest of it, and the least share.
+    /// Mean albedo of the lobe, 1 less that albedo, and the least divisor.
     mean: I::F32,
     lost: I::F32,
     least: I::F32,
 }
 
 impl<I: Isa> Bounces<I> {
-    /// The share of the lost light that leaves after all, by the reflectances head on and at grazing incidence.
+    /// Fraction of the light lost at the first bounce that leaves after further ones. `f0` and `f90` are the reflectances head on and at
+    /// grazing incidence.
     #[inline(always)]
     fn share(&self, one: I::F32, f0: I::F32, f90: I::F32) -> I::F32 {
         let average = f0 + (f90 - f0) * (1.0 / 21.0);

@@ -39,7 +39,7 @@ impl NormalMap {
         [x * self.strength, y * self.strength, z]
     }
 
-    /// The unit normal that a texel turns a unit `normal` to: [`perturb`](crate::perturb) by the direction it holds. `sign` is the
+    /// The unit normal that a texel turns a unit `normal` to. It is [`perturb`](crate::perturb) by the texel's direction. `sign` is the
     /// tangent's fourth component.
     #[inline(always)]
     #[must_use]

@@ -26,7 +26,7 @@ pub(crate) fn pack(texel: &[f32; 3]) -> u32 {
 
 fn steps(c: f32) -> u32 {
     let c = if c < 1.0 { c } else { 1.0 };
-    // Conversions give 0 for what is below it, and for NaN.
+    // Conversions give 0 for negative values and for NaN.
     (c * STEPS + 0.5) as u32
 }
 

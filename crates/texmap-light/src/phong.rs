@@ -5,7 +5,7 @@ use crate::LightCone;
 /// Falloff of a highlight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpecularModel {
-    /// `max(0, V.R)^ns`, the angle between the eye and the mirrored light (Phong 1975; the lecture's).
+    /// `max(0, V.R)^ns`, the angle between the eye and the mirrored light (Phong 1975, and MIT 6.837).
     #[default]
     Phong,
     /// `max(0, N.H)^ns`, the angle between the normal and the vector halfway to the light (Blinn 1977). For small angles as
@@ -18,9 +18,9 @@ pub enum SpecularModel {
 pub struct PhongMaterial {
     /// Diffuse and ambient colour, linear light, 0..=1. The highlight does not take it.
     pub color: [f32; 3],
-    /// Share of ambient light that is returned, usually 0..=1.
+    /// Fraction of ambient light that is returned, usually 0..=1.
     pub ka: f32,
-    /// Share of direct light that is returned in all directions, usually 0..=1.
+    /// Fraction of direct light that is returned in all directions, usually 0..=1.
     pub kd: f32,
     /// Strength of the highlight, usually 0..=1.
     pub ks: f32,
@@ -57,7 +57,7 @@ impl PhongMaterial {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Light {
-    /// The same from everywhere.
+    /// Ambient light, the same from everywhere.
     Ambient {
         /// Linear intensity per channel.
         color: [f32; 3],

@@ -135,7 +135,7 @@ mod tests {
         BoundProjectorTexture, NormalMap, NormalMapGreen, ProjectorBorder, ProjectorTexture,
     };
 
-    /// Vectors of every length, some without a direction.
+    /// Vectors of all lengths, some without a direction.
     fn vector(i: usize) -> [f32; 3] {
         match i % 13 {
             0 => [0.0; 3],

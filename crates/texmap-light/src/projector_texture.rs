@@ -8,14 +8,14 @@ use texmap_sample::{Filter, Sampler, Texture2d, Wrap};
 use crate::error::{LightError, same_length};
 use crate::lanes::{Vector, affine};
 
-/// A picture thrown from a projector: light, or paint.
+/// A projected picture: the colour of a light, or paint.
 #[derive(Clone, Debug)]
 pub struct ProjectorTexture<'a> {
-    /// The projector that throws it.
+    /// The projector of the picture.
     pub projector: Projector,
     /// The picture, v = 0 at its top.
     pub texture: &'a Texture2d<'a>,
-    /// Filter of the picture. Its wrap modes are not read: `border` says what is beyond the picture.
+    /// Filter of the picture. The sampler's wrap modes are not read: `border` is the continuation beyond the picture.
     pub sampler: &'a Sampler,
     /// Continuation beyond the picture.
     pub border: ProjectorBorder,
@@ -27,17 +27,17 @@ pub struct ProjectorTexture<'a> {
 /// Continuation beyond the picture of a projector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProjectorBorder {
-    /// No light: what a projector does.
+    /// No light, as of a projector.
     #[default]
     Black,
-    /// The row and column of texels at the edge, on and on.
+    /// The row and column of texels at the edge, repeated.
     Clamp,
-    /// The picture again and again.
+    /// The picture, repeated.
     Repeat,
 }
 
 impl ProjectorBorder {
-    /// Factor of the texels at places in the slide, and the lanes that the picture reaches.
+    /// Factor of the texels at coordinates of the picture, and the lanes that the picture reaches.
     #[inline(always)]
     fn fade<I: Isa>(self, i: I, softness: f32, [u, v]: [I::F32; 2]) -> (I::F32, I::Mask) {
         if self != Self::Black {
@@ -53,7 +53,7 @@ impl ProjectorBorder {
 }
 
 impl ProjectorTexture<'_> {
-    /// Its sampler with the wrap modes that its border asks for.
+    /// The picture's sampler with the wrap modes of the border.
     fn bordered(&self) -> Sampler {
         let wrap = match self.border {
             ProjectorBorder::Repeat => Wrap::Repeat,
@@ -66,7 +66,7 @@ impl ProjectorTexture<'_> {
         }
     }
 
-    /// Premultiplied texel of the slide at homogeneous slide coordinates `(q, s, t)`: multiply a light's colour with it, or
+    /// Premultiplied texel of the picture at homogeneous coordinates `(q, s, t)`. Multiply a light's colour with it, or
     /// compose it over a surface. Zero where `t <= 0` (nothing behind a projector is lit), where a coordinate is not finite,
     /// and beyond the picture under [`ProjectorBorder::Black`]. Source: MIT 6.837, lecture 18, slides 21-26; the tests of t and
     /// of the border are not on the slides.
@@ -105,7 +105,7 @@ impl ProjectorTexture<'_> {
         texel.map(|c| c * fade)
     }
 
-    /// [`radiance`](Self::light) at points of space, without level of detail.
+    /// [`light`](Self::light) at points of space, without level of detail.
     ///
     /// # Errors
     /// [`LightError::Length`] unless both slices have one length.
@@ -121,26 +121,26 @@ impl ProjectorTexture<'_> {
     }
 }
 
-/// A [`ProjectorTexture`] prepared for look-ups in f32 from points of space; [`ProjectorTexture::light`] is its reference. Places in the slide are off by about
-/// 1e-6 of its size.
+/// A [`ProjectorTexture`] prepared for look-ups in f32 from points of space. [`ProjectorTexture::light`] is the reference;
+/// coordinates of the picture are off by about 1e-6.
 #[derive(Clone, Debug)]
 pub struct BoundProjectorTexture<'a> {
     /// Rows of q, s and t.
     rows: [[f32; 4]; 3],
     /// The picture.
     pub texture: &'a Texture2d<'a>,
-    /// Its filter, with the wrap modes that its border asks for.
+    /// Filter of the picture, with the wrap modes of its border.
     pub sampler: Sampler,
     border: ProjectorBorder,
     softness: f32,
-    /// The picture goes on beyond its edge, but that is black.
+    /// The picture continues beyond its edge, and the edge is black.
     dark_edge: bool,
 }
 
-/// Places of points in a slide.
+/// Coordinates of points in the projected picture.
 #[derive(Clone, Copy, Debug)]
 pub struct ProjectorUvBatch<I: Isa> {
-    /// Lanes that the slide reaches; the others have a place too, of no meaning.
+    /// Lanes that the picture reaches; the coordinates of the others have no meaning.
     pub reached: I::Mask,
     /// Coordinates.
     pub uv: [I::F32; 2],
@@ -151,19 +151,19 @@ pub struct ProjectorUvBatch<I: Isa> {
 }
 
 impl<'a> BoundProjectorTexture<'a> {
-    /// Prepares a slide.
+    /// Prepares a projected picture for look-ups.
     #[must_use]
-    pub fn new(slide: &ProjectorTexture<'a>) -> Self {
+    pub fn new(projected: &ProjectorTexture<'a>) -> Self {
         let row = |row: DVec4| row.to_array().map(|c| c as f32);
         Self {
-            rows: slide.projector.rows().map(row),
-            texture: slide.texture,
-            sampler: slide.bordered(),
-            border: slide.border,
-            softness: slide.softness,
-            dark_edge: slide.border == ProjectorBorder::Clamp
-                && matches!(slide.sampler.filter, Filter::Nearest | Filter::Bilinear)
-                && has_dark_edge(slide.texture),
+            rows: projected.projector.rows().map(row),
+            texture: projected.texture,
+            sampler: projected.bordered(),
+            border: projected.border,
+            softness: projected.softness,
+            dark_edge: projected.border == ProjectorBorder::Clamp
+                && matches!(projected.sampler.filter, Filter::Nearest | Filter::Bilinear)
+                && has_dark_edge(projected.texture),
         }
     }
 
@@ -193,8 +193,8 @@ impl<'a> BoundProjectorTexture<'a> {
         texel.map(|c| c * places.fade)
     }
 
-    /// A sampler that gives the colours of [`sampler`](Self::sampler) where [`uv_at`](Self::uv_at) reaches: beyond a black edge
-    /// another black edge is as good as more of the same, and repeated texels are the quickest to find.
+    /// A sampler that gives the colours of [`sampler`](Self::sampler) where [`uv_at`](Self::uv_at) reaches. Beyond a black edge the
+    /// repeated picture is as black as the clamped one, and repeated texels are the quickest to find.
     #[must_use]
     pub fn sampler_within(&self) -> Sampler {
         let mut sampler = self.sampler.clone();
@@ -204,7 +204,7 @@ impl<'a> BoundProjectorTexture<'a> {
         sampler
     }
 
-    /// Places of points in the slide, and the factors of the texels there, which are for the caller to look up.
+    /// Coordinates of points in the picture, and the factors of the texels there. The caller looks the texels up.
     /// Lanes in which level 0 can only give black are not reached.
     #[inline(always)]
     pub fn uv_at<I: Isa>(&self, i: I, point: Vector<I>) -> ProjectorUvBatch<I> {
@@ -225,14 +225,14 @@ impl<'a> BoundProjectorTexture<'a> {
         }
         ProjectorUvBatch {
             reached,
-            // The others read the middle, where no edge is in the way.
+            // The other lanes read the middle, away from all edges.
             uv: [reached.select(u, i.f32(0.5)), reached.select(v, i.f32(0.5))],
             fade,
             t,
         }
     }
 
-    /// Changes of the coordinates of places with steps `d` of their points.
+    /// Changes of the coordinates with steps `d` of their points.
     #[inline(always)]
     pub fn changes<I: Isa>(&self, _: I, places: &ProjectorUvBatch<I>, d: Vector<I>) -> [I::F32; 2] {
         let mut qst = d;
@@ -265,7 +265,7 @@ fn fade<I: Isa>(i: I, softness: f32, c: I::F32) -> I::F32 {
     from_edge.simd_lt(softness).select(soft, i.f32(1.0))
 }
 
-/// The picture's texel, as column and row, at a slide coordinate: `None` beyond. For callers with texels of their own.
+/// The picture's texel, as column and row, at coordinates of the picture; `None` beyond. For callers with texels of their own.
 #[must_use]
 pub fn projector_texel(qst: DVec3, (width, height): (u32, u32)) -> Option<(u32, u32)> {
     let place = projector_uv(qst)?;
@@ -315,14 +315,14 @@ mod tests {
                 ..Sampler::default()
             },
         );
-        let slide = ProjectorTexture {
+        let projected = ProjectorTexture {
             projector,
             texture: &texture,
             sampler: &sampler,
             border,
             softness,
         };
-        test(&|p| slide.light(projector.project(DVec3::from(p)), None));
+        test(&|p| projected.light(projector.project(DVec3::from(p)), None));
     }
 
     const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];

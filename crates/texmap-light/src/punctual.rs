@@ -19,7 +19,7 @@ pub struct LightCone {
 }
 
 impl LightCone {
-    /// From the angles between axis and cones in radians, as glTF gives them: `0 <= inner <= outer <= pi / 2`.
+    /// A cone from its two angles to the axis in radians, as in glTF: `0 <= inner <= outer <= pi / 2`.
     #[must_use]
     pub fn new(direction: [f32; 3], inner: f32, outer: f32) -> Self {
         let cos = |angle: f32| deterministic_f64::cos(f64::from(angle)) as f32;
@@ -39,13 +39,13 @@ impl LightCone {
     }
 }
 
-/// Squared distances below this count as this, so that strengths stay finite: a millionth of a unit.
+/// Least squared distance, a millionth of a unit. Lower ones count as this, so that strengths stay finite.
 pub(crate) const LEAST_SQUARE: f32 = 1e-12;
-/// Differences of cosines below this count as this, as the extension says.
+/// Least difference of cosines, from the extension; lower ones count as this.
 pub(crate) const LEAST_COSINE: f32 = 1e-3;
 
-/// `window / (pi d^2)` times the strength in the cone, for vectors `way` from points to the light and their unit vectors: what
-/// multiplies an intensity in candela. `window = max(0, 1 - (d / range)^4)`, 1 for an infinite range.
+/// The factor of an intensity in candela, `window / (pi d^2)` times the strength in the cone. `way` are the vectors from points to
+/// the light, `window = max(0, 1 - (d / range)^4)`, 1 for an infinite range.
 #[inline(always)]
 pub(crate) fn falloff<I: Isa>(
     i: I,

@@ -1,4 +1,4 @@
-//! The same formulae in f64, one point at a time, written for reading. Finite input is assumed.
+//! The formulae of this crate in f64, one point at a time, written for reading. Finite input is assumed.
 
 pub mod metallic_roughness;
 mod tone_map;
@@ -76,7 +76,7 @@ pub fn lighting(
     (diffuse, highlight)
 }
 
-/// What multiplies the intensity of a [`Light::Punctual`] in candela, for the vector from a point to the light.
+/// Falloff of a [`Light::Punctual`] for the vector from a point to the light. It is the factor of the intensity in candela.
 #[must_use]
 pub fn falloff(range: f32, cone: Option<&LightCone>, way: DVec3) -> f64 {
     let square = way.length_squared();

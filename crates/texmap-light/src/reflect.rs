@@ -1,4 +1,4 @@
-//! The mirrored view, and how fast it turns from pixel to pixel.
+//! The mirrored view, and its change from pixel to pixel.
 
 use texmap_math::simd::{Isa, Number};
 
@@ -8,11 +8,11 @@ use crate::vector::dot;
 /// A direction and its change for one pixel to the right and one down, in each lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RayLanes<I: Isa> {
-    /// Of any length.
+    /// The direction, of any length.
     pub direction: [I::F32; 3],
-    /// To the right.
+    /// Change for one pixel to the right.
     pub dx: [I::F32; 3],
-    /// Down.
+    /// Change for one pixel down.
     pub dy: [I::F32; 3],
 }
 

@@ -40,7 +40,7 @@ impl<I: Isa> TermsLanes<I> {
         }
     }
 
-    /// Adds the contribution of a light in the lanes of `lit`, of which so much is received.
+    /// Adds the contribution of a light in the lanes of `lit`, times its visibility `received`.
     #[inline(always)]
     pub fn add(&mut self, given: &LightContributionLanes<I>, lit: I::Mask, received: Vector<I>) {
         let (diffuse, highlight) = (&mut self.diffuse, &mut self.highlight);
@@ -111,9 +111,9 @@ pub fn lighting(
     )
 }
 
-/// [`lighting`] with a choice of highlight and with what reaches the point of each light: `received(i)` is asked for light i (not for
-/// ambient ones, nor for those behind the surface) and multiplies its colour, per channel: the share that a shadow leaves, the colour
-/// of a slide. With ones everywhere it has the bits of [`lighting`].
+/// [`lighting`] with a choice of highlight and with the visibility of each light. `received(i)` is asked for light i (not for ambient
+/// ones, nor for those behind the surface) and multiplies its colour, per channel: the fraction that a shadow leaves, the colour of a
+/// projected picture. With ones everywhere the result has the bits of [`lighting`].
 #[must_use]
 pub fn shade_with_visibility(
     surface: &PhongMaterial,

@@ -1,4 +1,4 @@
-//! Shadow maps: depths as a light sees them, and the ray that each stands for.
+//! Shadow maps: depths as a light sees them, and the ray of each texel.
 
 mod look_up;
 mod place;
@@ -88,8 +88,8 @@ impl ShadowMap {
         }
     }
 
-    /// The ray of a texel in world space, for whoever fills the map: origin and direction, such that `origin + depth *
-    /// direction` is the point that a stored depth stands for.
+    /// Origin and direction of the ray of a texel in world space, for the code that fills the map. `origin + depth * direction` is
+    /// the point at a stored depth.
     #[must_use]
     pub fn ray(kind: &ShadowKind, size: u32, face: usize, x: u32, y: u32) -> (DVec3, DVec3) {
         let centre = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;

@@ -22,11 +22,11 @@ pub struct ShadowBounds {
     radius: usize,
 }
 
-/// Of some rows of a map, a multiple of eight but for its last rows.
+/// Bounds of some rows of a map, a multiple of eight but for its last rows.
 #[derive(Clone, Debug)]
 pub struct StripBounds {
     first_row: usize,
-    /// Of its rows of patches, as far as the strip reaches.
+    /// Least and largest depth of each patch, as far as the strip reaches.
     pairs: Vec<[f32; 2]>,
     /// Bounds of its first and last rows, for the patches above and below.
     ends: [Vec<[f32; 2]>; 2],
@@ -56,7 +56,7 @@ pub(crate) fn radius(taps: u32) -> usize {
 }
 
 impl StripBounds {
-    /// Of the rows from `first_row` on of a map of `size` columns that is read with `taps` x `taps` comparisons.
+    /// Bounds of the rows from `first_row` on of a map of `size` columns. Look-ups take `taps` x `taps` comparisons.
     #[must_use]
     pub fn new(
         rows: &[f32],
@@ -100,7 +100,7 @@ struct Scan<'a> {
     size: usize,
     radius: usize,
     reached: FiniteColumns<'a>,
-    /// Of each column.
+    /// Least and largest depth of each column.
     low: Vec<f32>,
     high: Vec<f32>,
 }
@@ -152,7 +152,7 @@ impl<'a> Scan<'a> {
 }
 
 impl ShadowBounds {
-    /// Of the faces of a map.
+    /// Bounds of the faces of a map.
     pub(crate) fn new(depths: &[f32], size: usize, taps: u32) -> Self {
         if size == 0 {
             return Self::join([]);
@@ -173,7 +173,7 @@ impl ShadowBounds {
         found.unwrap_or_else(|| Self::new(depths, size, taps))
     }
 
-    /// Of a map from those of its faces, in order.
+    /// Bounds of a map from those of its faces, in order.
     #[must_use]
     pub fn of_faces(faces: impl IntoIterator<Item = Self>) -> Self {
         let mut faces = faces.into_iter();
@@ -184,7 +184,7 @@ impl ShadowBounds {
         all
     }
 
-    /// Of a face from those of its strips, in any order.
+    /// Bounds of a face from those of its strips, in any order.
     #[must_use]
     pub fn join(strips: impl Into<Vec<StripBounds>>) -> Self {
         let mut strips: Vec<StripBounds> = strips.into();
@@ -274,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Strips find what a whole map's scan does, however many there are and in whatever order, also where they leave columns out.
+    /// Strips in any number and order give the bounds of a scan of the whole map. They may leave columns out.
     #[test]
     fn strips_join_to_the_bounds_of_the_whole() {
         let mut left_out = 0;

@@ -18,8 +18,8 @@ use taps::{Bias, Taps};
 
 /// A shadow map with the bias and the filter of its look-ups.
 ///
-/// They are f32: the answers of [`ShadowMap::visibility`], but for points within about 1e-6 of the map's width of a texel's edge, or as near to
-/// the depth they are compared with.
+/// Look-ups are in f32, with the results of [`ShadowMap::visibility`] but for points within about 1e-6 of the map's width of a
+/// texel's edge, or as near to the depth that they are compared with.
 #[derive(Clone, Debug)]
 pub struct ShadowSampler {
     map: ShadowMap,
@@ -31,7 +31,7 @@ pub struct ShadowSampler {
 enum Form {
     Flat(Flat),
     Cube(Cube),
-    /// The depths are gone.
+    /// A map without depths, which have been taken out.
     Empty,
 }
 
@@ -84,7 +84,7 @@ impl ShadowSampler {
         !matches!(taps.bias, Bias::Constant(_))
     }
 
-    /// Share of the light that reaches a point, 0..=1: see [`ShadowMap::visibility`].
+    /// Fraction of the light that reaches a point, 0..=1: see [`ShadowMap::visibility`].
     #[must_use]
     pub fn visibility(&self, point: [f32; 3], normal: [f32; 3]) -> f32 {
         self.visibility_lanes(Scalar, true, point, normal)
@@ -167,7 +167,8 @@ mod tests {
         ]
     }
 
-    /// f32 look-ups give the answers of f64 ones at all but a few points, under every bias, beyond the map and behind the light too.
+    /// Look-ups in f32 give the results of f64 ones at all but a few points. That holds under every bias, beyond the map and behind the
+    /// light too.
     #[test]
     fn readers_agree_with_the_reference() {
         let mut noise = noise();
@@ -198,7 +199,7 @@ mod tests {
         }
     }
 
-    /// Taps over the edges and corners of a cube's faces read the texels that the reference reads.
+    /// Comparisons over the edges and corners of a cube's faces read the texels that the reference reads.
     #[test]
     fn taps_beyond_a_face_are_those_of_the_reference() {
         let [.., map] = maps();
@@ -215,7 +216,7 @@ mod tests {
                 let point = position + d * (4.0 / d.length());
                 let got = reader.visibility(narrow(point), [0.0, 1.0, 0.0]);
                 let expected = map.visibility(point, DVec3::Y, ShadowBias::Constant(0.0), 15);
-                // A tap whose depth is the point's may fall either way.
+                // A comparison of equal depths may fall either way.
                 off += u32::from((got - expected).abs() > 1.5 / 225.0);
                 count += 1;
             }

@@ -1,4 +1,4 @@
-//! The contribution of one light to a point, before anything stands in its way.
+//! The contribution of one light to a point, before shadows.
 
 use texmap_math::deterministic_f32;
 use texmap_math::simd::{Isa, prelude::*};
@@ -12,9 +12,9 @@ use crate::{Light, PhongMaterial, SpecularModel};
 /// [`deterministic_f32::pow`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpecularExponent {
-    /// Squared and multiplied.
+    /// Computed by squaring and multiplication.
     Whole(u32),
-    /// By logarithm.
+    /// Computed by logarithm.
     Real(f32),
 }
 
@@ -102,7 +102,7 @@ fn of_each<I: Isa>(i: I, x: I::F32, ns: I::F32) -> I::F32 {
     )
 }
 
-/// Powers below this are 0: their products would be subnormal numbers, which take a hundred times as long.
+/// Least power. Lower ones are 0, as their products would be subnormal numbers, which take a hundred times as long.
 const LEAST: f32 = 2e-19;
 
 #[inline(always)]
@@ -165,8 +165,8 @@ pub fn evaluate_light<I: Isa>(
     }
 }
 
-/// Colour of a light at the points of a block, the unit vectors to it, and the lanes that it reaches, whatever way they face. Ambient
-/// light comes from nowhere.
+/// Colour of a light at the points of a block, the unit vectors to it, and the lanes that it reaches. The lanes do not depend on
+/// normals. Ambient light has no direction.
 #[inline(always)]
 pub(crate) fn arriving<I: Isa>(
     i: I,
@@ -210,8 +210,8 @@ pub(crate) fn arriving<I: Isa>(
     }
 }
 
-/// Share of a spot light's strength, 0..=1, for points from which the light lies in the unit directions `toward`. A point in the light
-/// gets nothing.
+/// Fraction of a spot light's strength at points, 0..=1. `toward` are the unit directions from the points to the light; a point in
+/// the light receives none.
 #[inline(always)]
 fn cone<I: Isa>(
     i: I,

@@ -8,7 +8,7 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::lanes::Vector;
 
-/// How light without an upper end becomes display light from 0 to 1, before its encoding as sRGB.
+/// A curve from light without an upper end to display light from 0 to 1, before its encoding as sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ToneMap {
@@ -70,9 +70,9 @@ const AGX_OUT: [[f32; 3]; 3] = [
     [-0.052_896_85, 1.151_903_2, -0.098_961_18],
     [-0.052_971_635, -0.098_043_45, 1.151_073_7],
 ];
-/// Powers of two that AgX shows.
+/// Base-2 logarithms of the least and the largest light that AgX shows.
 const AGX_RANGE: (f32, f32) = (-12.473_93, 4.026_069);
-/// AgX's contrast, from the sixth power down.
+/// Coefficients of AgX's contrast polynomial, from the sixth power down.
 const AGX_CONTRAST: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.002_32];
 
 impl ToneMap {

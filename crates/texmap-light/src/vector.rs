@@ -103,7 +103,7 @@ pub(crate) fn is_zero<I: Isa>(_: I, a: Vector<I>) -> I::Mask {
     a[0].simd_eq(0.0) & a[1].simd_eq(0.0) & a[2].simd_eq(0.0)
 }
 
-/// Vectors with +Z in place of those without a direction (zero or not finite), and the lanes of the others.
+/// Vectors with +Z instead of those without a direction, and the lanes of the others. Zero and not finite ones have no direction.
 #[inline(always)]
 pub(crate) fn usable<I: Isa>(i: I, [x, y, z]: Vector<I>) -> (Vector<I>, I::Mask) {
     let (ax, ay, az) = (x.abs(), y.abs(), z.abs());

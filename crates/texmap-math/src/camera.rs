@@ -21,11 +21,11 @@ pub struct Camera {
     pub near: f64,
     /// Distance of the far plane, above `near`; may be infinite, but not in a parallel projection.
     pub far: f64,
-    /// How the picture lies before the eye.
+    /// Projection and position of the picture before the eye.
     pub lens: Lens,
 }
 
-/// How the picture lies before the eye of a camera. The default is a pinhole in front of the middle of square pixels.
+/// Projection of a camera and position of its picture. The default is a pinhole in front of the middle of square pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// A parallel (orthographic) projection: width of the picture in world units, above 0; `fov_x` says nothing then. `None` for a
@@ -101,7 +101,7 @@ pub enum CameraError {
     },
     /// The lens cannot be used, or not for this.
     Lens {
-        /// What is wrong, and what it must be.
+        /// The fault and the allowed values.
         problem: &'static str,
     },
 }

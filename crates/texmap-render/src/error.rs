@@ -21,7 +21,7 @@ pub enum RenderError {
         /// Samples per pixel and axis.
         supersample: u32,
     },
-    /// Samples per pixel that there are not.
+    /// A number of samples per pixel that is not supported.
     #[error("settings: msaa is {samples}; give 1, or 4 without supersampling")]
     Samples {
         /// Samples of coverage and depth per pixel that were asked for.
@@ -32,7 +32,7 @@ pub enum RenderError {
     Threads {
         /// The number asked for.
         threads: usize,
-        /// What stood in the way.
+        /// Reason of the system.
         reason: String,
     },
     /// The rasterizer refused a draw.
@@ -40,7 +40,7 @@ pub enum RenderError {
     Raster {
         /// Mesh name, or a word for the whole frame.
         mesh: String,
-        /// What it said.
+        /// Error of the rasterizer.
         error: RasterError,
     },
     /// A buffer beyond the memory budget.

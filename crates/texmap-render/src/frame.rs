@@ -14,7 +14,7 @@ pub struct Frame {
     pub height: u32,
     /// 4 bytes a pixel: sRGB (raw under `ColorMode::Raw`), straight alpha, rows top to bottom.
     pub rgba: Vec<u8>,
-    /// The buffers that were asked for, in that order: which, channels, values. C order, shape (height,
+    /// The buffers that were asked for, in that order: AOV, channels, values. C order, shape (height,
     /// width, channels), rows top to bottom.
     pub aovs: Vec<(Aov, usize, AovData)>,
     /// Counts and times.

@@ -1,4 +1,4 @@
-//! The effects of a scene, made ready before the first tile: shadow maps, slides, environments.
+//! The effects of a scene, made ready before the first tile: shadow maps, projectors, environments.
 
 use texmap_light::{
     BoundProjectorTexture, Environment, Light, ProjectorTexture, ShadowBias, ShadowKind,
@@ -16,11 +16,11 @@ use texmap_scene::{ProjectorLight, ProjectorMode, Scene};
 /// The effects of a scene, made ready: every map is finished before the first tile.
 #[derive(Debug)]
 pub(crate) struct FrameResources<'s> {
-    /// The scene's lights, then a lamp for each projector of light.
+    /// The scene's lights, then a point light for each projector of light.
     pub(crate) lights: Vec<Light>,
-    /// Per light.
+    /// The shadow maps of each light.
     pub(crate) shadows: Vec<Vec<ShadowSampler>>,
-    /// Slides of the lamps, from light `lights.len() - lamps.len()` on.
+    /// The projected textures of the last `projector_lights.len()` of `lights`.
     pub(crate) projector_lights: Vec<Projected<'s>>,
     pub(crate) projector_decals: Vec<Projected<'s>>,
     pub(crate) environments: &'s [Environment],
@@ -36,14 +36,14 @@ impl<'s> FrameResources<'s> {
     pub(crate) fn with_buffers(
         scene: &'s Scene,
         settings: &RenderSettings,
-        rooms: Vec<Vec<f32>>,
+        buffers: Vec<Vec<f32>>,
     ) -> Result<Self, RenderError> {
-        let mut rooms = rooms.into_iter();
+        let mut buffers = buffers.into_iter();
         let threads = settings.threads.unwrap_or(usize::MAX);
         let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
-            let mut room = rooms.next().unwrap_or_default();
-            reserve_map(settings.memory, kind, size, &mut room)?;
-            let (map, bounds) = shadow_map_in(scene, kind, size, (bias, taps), threads, room)?;
+            let mut buffer = buffers.next().unwrap_or_default();
+            reserve_map(settings.memory, kind, size, &mut buffer)?;
+            let (map, bounds) = shadow_map_in(scene, kind, size, (bias, taps), threads, buffer)?;
             let bounds = Some(bounds);
             Ok::<_, RenderError>(ShadowSampler::with_bounds(map, bias, taps, bounds))
         };
@@ -58,66 +58,71 @@ impl<'s> FrameResources<'s> {
             let bias = shadow.bias.unwrap_or_else(|| shadow_bias(scene));
             shadows[shadow.light].push(draw(&kind, size, bias, shadow.pcf_size)?);
         }
-        let (mut lamps, mut paints) = (Vec::new(), Vec::new());
-        for slide in &scene.effects.projectors {
-            let shadow = match slide.shadow {
+        let (mut projector_lights, mut projector_decals) = (Vec::new(), Vec::new());
+        for projector in &scene.effects.projectors {
+            let shadow = match projector.shadow {
                 None => None,
-                Some(size) => Some(draw(&slide_kind(slide), size, shadow_bias(scene), 3)?),
+                Some(size) => Some(draw(
+                    &projector_kind(projector),
+                    size,
+                    shadow_bias(scene),
+                    3,
+                )?),
             };
             let view = BoundProjectorTexture::new(&ProjectorTexture {
-                projector: slide.projector,
-                texture: &scene.textures[slide.texture],
-                sampler: &slide.sampler,
-                border: slide.border,
-                softness: slide.softness,
+                projector: projector.projector,
+                texture: &scene.textures[projector.texture],
+                sampler: &projector.sampler,
+                border: projector.border,
+                softness: projector.softness,
             });
-            let position = narrow(slide.position);
+            let position = narrow(projector.position);
             let projected = Projected {
-                view: match slide.mode {
+                view: match projector.mode {
                     ProjectorMode::Decal => view.as_decal(),
                     ProjectorMode::Light(_) => view,
                 },
                 position,
                 shadow,
             };
-            match slide.mode {
-                ProjectorMode::Decal => paints.push(projected),
+            match projector.mode {
+                ProjectorMode::Decal => projector_decals.push(projected),
                 ProjectorMode::Light(color) => {
                     lights.push(Light::Point { color, position });
                     shadows.push(Vec::new());
-                    lamps.push(projected);
+                    projector_lights.push(projected);
                 }
             }
         }
         Ok(Self {
             lights,
             shadows,
-            projector_lights: lamps,
-            projector_decals: paints,
+            projector_lights,
+            projector_decals,
             environments: &scene.effects.environments,
         })
     }
 
-    /// Takes the rooms of all maps, which are empty from then on.
+    /// Takes the buffers of all shadow maps, which are empty from then on.
     pub(crate) fn take_buffers(&mut self) -> Vec<Vec<f32>> {
         let of_lights = self.shadows.iter_mut().flatten();
-        let slides = self
+        let projectors = self
             .projector_lights
             .iter_mut()
             .chain(&mut self.projector_decals);
-        let of_slides = slides.filter_map(|projected| projected.shadow.as_mut());
-        let all = of_lights.chain(of_slides);
+        let of_projectors = projectors.filter_map(|projected| projected.shadow.as_mut());
+        let all = of_lights.chain(of_projectors);
         all.map(ShadowSampler::take_depths).collect()
     }
 
-    /// Whether surfaces without effects of their own must know of these.
+    /// True if there are neither projectors nor shadows, so that plain surfaces need no effects.
     pub(crate) fn is_plain(&self) -> bool {
         self.projector_lights.is_empty()
             && self.projector_decals.is_empty()
             && self.shadows.iter().all(Vec::is_empty)
     }
 
-    /// Share of each light of the scene that its shadows leave at a sample, for the `shadow` AOV.
+    /// Visibility of a light of the scene at a sample, for the `shadow` AOV; `None` without a shadow.
     pub(crate) fn shadow(&self, light: usize, point: [f32; 3], plane: DVec3) -> Option<f32> {
         let shades = self.shadows.get(light).filter(|s| !s.is_empty())?;
         Some(
@@ -134,14 +139,14 @@ pub(crate) fn reserve_map(
     memory: MemoryBudget,
     kind: &ShadowKind,
     size: u32,
-    room: &mut Vec<f32>,
+    buffer: &mut Vec<f32>,
 ) -> Result<(), RenderError> {
     let faces = match kind {
         ShadowKind::Point { .. } => 6,
         _ => 1,
     };
     memory.reserve(
-        room,
+        buffer,
         faces * size as usize * size as usize,
         format_args!("a shadow map of {faces} x {size} x {size} texels"),
         "give `shadow` a smaller size",
@@ -150,8 +155,8 @@ pub(crate) fn reserve_map(
 }
 
 /// The pyramid of a projector as a spot light's map: square, as wide as the wider side of the picture.
-fn slide_kind(slide: &ProjectorLight) -> ShadowKind {
-    let Projector { q, s, t } = slide.projector;
+fn projector_kind(projector: &ProjectorLight) -> ShadowKind {
+    let Projector { q, s, t } = projector.projector;
     // q - t/2 and s - t/2 are the right and down axes times the focal lengths.
     let forward = t.truncate();
     let (right, down) = (q.truncate() - forward * 0.5, s.truncate() - forward * 0.5);
@@ -159,7 +164,7 @@ fn slide_kind(slide: &ProjectorLight) -> ShadowKind {
     let (x, y) = (right.normalize(), -down.normalize());
     let rotation = DMat3::from_cols(x, y, -forward).transpose();
     ShadowKind::Spot {
-        light_from_world: DMat4::from_mat3(rotation) * DMat4::from_translation(-slide.position),
+        light_from_world: DMat4::from_mat3(rotation) * DMat4::from_translation(-projector.position),
         tan_half,
     }
 }

@@ -5,7 +5,7 @@
 //! cut-out surfaces first, each visible pixel shaded once, blended surfaces over them in submission order. A stage that a
 //! material lacks is not run.
 //!
-//! Meshes are drawn as triangles. Where a scene has displacement maps or billboards, `texmap_mesh::tessellate` comes first; a scene that
+//! Meshes are drawn as triangles. If a scene has displacement maps or billboards, `texmap_mesh::tessellate` comes first; a scene that
 //! still holds them is refused.
 //!
 //! # Conventions
@@ -65,7 +65,7 @@
         unused_imports,
         unused_mut,
         unused_variables,
-        reason = "without a vector unit the scalar twins of the kernels do all of the work"
+        reason = "without a vector unit the scalar versions of the kernels do all of the work"
     )
 )]
 

@@ -1,4 +1,4 @@
-//! From a checked scene to draws: which values each mesh carries per vertex, and which stages run on its pixels.
+//! Draws of a checked scene: values per vertex of each mesh, and the stages that run on its pixels.
 
 mod alpha_test;
 pub(crate) mod effects;
@@ -162,7 +162,7 @@ impl View {
     }
 }
 
-/// The backdrop.
+/// The surface of the sky, which lies behind all others; `None` without a sky.
 fn sky<'s>(
     scene: &'s Scene,
     settings: &RenderSettings,
@@ -264,8 +264,8 @@ mod tests {
             object_space,
             strength: 1.0,
         };
-        let with = |relief| Material {
-            normal_detail: Some(relief),
+        let with = |detail| Material {
+            normal_detail: Some(detail),
             ..Material::default()
         };
         let baked = Material {
@@ -302,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Attributes per vertex, pass, and whether a mip chain was built.
+    /// Attributes per vertex, pass, and true if a mip chain was built.
     fn needs(material: Material, aovs: &[Aov]) -> (usize, Pass, bool) {
         let scene = scene(material);
         let settings = RenderSettings::new(8, 8);

@@ -49,7 +49,7 @@ pub struct Renderer<'s> {
     /// AOVs describe the pixel's centre, which lies on no sample if their number is even: then they have their own pass.
     centres: Option<Plan<'s>>,
     pool: Option<rayon::ThreadPool>,
-    /// Where the four samples of a pixel lie, if it has four.
+    /// The positions of the four samples of a pixel, if it has four.
     samples: Option<[[i32; 2]; 4]>,
     /// Buffers of the threads that drew before.
     scratch: Mutex<Vec<Box<Scratch>>>,
@@ -123,16 +123,16 @@ impl<'s> Renderer<'s> {
         Ok(frame)
     }
 
-    /// Draws the shadow maps anew: the part of [`new`](Self::new) that a light or a caster that moves asks for.
+    /// Draws the shadow maps anew: the part of [`new`](Self::new) that moving lights and casters need.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing is shadowed after that.
     #[doc(hidden)]
     pub fn redraw_shadows(&mut self) -> Result<(), RenderError> {
         let (scene, settings) = (self.scene, &self.settings);
-        let rooms = Arc::get_mut(&mut self.plan.ready).map(FrameResources::take_buffers);
-        let rooms = rooms.unwrap_or_default();
-        let draw = || FrameResources::with_buffers(scene, settings, rooms).map(Arc::new);
+        let buffers = Arc::get_mut(&mut self.plan.ready).map(FrameResources::take_buffers);
+        let buffers = buffers.unwrap_or_default();
+        let draw = || FrameResources::with_buffers(scene, settings, buffers).map(Arc::new);
         let ready = match &self.pool {
             None => draw(),
             Some(pool) => pool.install(draw),
@@ -143,7 +143,7 @@ impl<'s> Renderer<'s> {
         Ok(())
     }
 
-    /// With the samples of each pixel turned over, as OpenGL's are whose rows count from below.
+    /// Turns the sample positions of each pixel over, as in OpenGL, whose rows count from below.
     #[doc(hidden)]
     #[must_use]
     pub fn turned_over(mut self) -> Self {
@@ -252,7 +252,7 @@ impl<'s> Renderer<'s> {
         prepared.map_err(|error| RenderError::of_raster(self.scene, error))
     }
 
-    /// Runs the blocks of one pass over the thread pool and returns how many pixels are covered.
+    /// Runs the blocks of one pass over the thread pool and returns the number of covered pixels.
     fn run(
         &self,
         job: &Job<'_>,
@@ -375,8 +375,8 @@ fn ask_for_frame(settings: &RenderSettings) -> Result<(), RenderError> {
     Ok(())
 }
 
-/// Asks for what vertices and triangles become before the first tile: snapped positions, attributes, normals and positions in
-/// world space, lists of triangles.
+/// Asks for the memory of vertices and triangles before the first tile. These are snapped positions, attributes, normals and
+/// positions in world space, lists of triangles.
 fn ask_for_geometry(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
     const VERTEX: u64 = 64;
     const TRIANGLE: u64 = 16;

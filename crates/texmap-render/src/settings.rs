@@ -8,7 +8,7 @@ use texmap_scene::{Scene, SceneError};
 
 use crate::RenderError;
 
-/// How a scene becomes a picture. No setting but the size, `supersample`, `msaa` and the three overrides changes
+/// Settings of a rendering. No setting but the size, `supersample`, `msaa` and the three overrides changes
 /// a pixel.
 #[derive(Clone, Debug)]
 pub struct RenderSettings {
@@ -21,10 +21,10 @@ pub struct RenderSettings {
     /// Samples per pixel and axis, from 1: `n x n` samples, averaged in linear light. Width and height
     /// times this must not exceed 16384.
     pub supersample: u32,
-    /// Samples of coverage and depth per pixel: 1, or 4 at the standard places of Vulkan 1.4, of which each triangle's colour
+    /// Samples of coverage and depth per pixel: 1, or 4 at the standard sample positions of Vulkan 1.4. The colour of each triangle
     /// is computed once a pixel, at its centre; averaged in linear light. Not together with `supersample`.
     pub msaa: u32,
-    /// Which buffers to return beside the colour.
+    /// Buffers that are returned beside the colour.
     pub aovs: Vec<Aov>,
     /// SIMD level; the pixels do not depend on it.
     pub level: Level,
@@ -86,7 +86,7 @@ impl RenderSettings {
 }
 
 /// A buffer beside the colour. Each but [`Color`](Self::Color) describes the nearest opaque or cut-out surface at the centre of the
-/// pixel, whatever the samples of the picture; blended surfaces leave no trace. Where no surface is, or the surface
+/// pixel, whatever the samples of the picture; blended surfaces are left out. If there is no surface, or the surface
 /// lacks the value, every channel is the f32 with bits 0x7fc00000 (NaN), or `u32::MAX`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Aov {
@@ -107,8 +107,8 @@ pub enum Aov {
     Normal,
     /// Position in world space. 3 channels, f32.
     Position,
-    /// Share of a light (its number in the scene, 0 to 15) that its shadows leave, 0..=1; a hole where the light has no shadow or
-    /// the surface is not lit per pixel. 1 channel, f32.
+    /// Visibility of a light (its number in the scene, 0 to 15) by its shadows, 0..=1. A hole where the light has no shadow or the
+    /// surface is not lit per pixel. 1 channel, f32.
     Shadow(u8),
     /// The picture itself before it is encoded: red, green, blue and alpha as linear light (raw values under
     /// [`ColorMode::Raw`](texmap_scene::ColorMode::Raw)), premultiplied, blended surfaces and background in it, the mean of a pixel's samples. No holes.

@@ -18,8 +18,8 @@ use faces::views;
 use texmap_scene::{AlphaMode, Scene};
 use watertight::hidden_sides;
 
-/// Draws a shadow map of `size` x `size` texels (a face): what each light ray meets first, of all opaque and cut-out meshes
-/// without the holes of these; blended ones cast nothing. The same bits for any number of `threads`.
+/// Draws a shadow map of `size` x `size` texels a face: depths of the first surfaces along light rays. Opaque and cut-out meshes
+/// cast shadows, but for the holes of cut-outs; blended ones do not. The same bits for any number of `threads`.
 ///
 /// # Errors
 /// [`RenderError::Raster`] for sizes above 16384 and meshes that the rasterizer refuses.
@@ -46,19 +46,19 @@ pub fn shadow_map_for(
     taps: u32,
     threads: usize,
 ) -> Result<ShadowMap, RenderError> {
-    let mut room = Vec::new();
-    reserve_map(MemoryBudget::of_process(), kind, size, &mut room)?;
-    shadow_map_in(scene, kind, size, (bias, taps), threads, room).map(|(map, _)| map)
+    let mut buffer = Vec::new();
+    reserve_map(MemoryBudget::of_process(), kind, size, &mut buffer)?;
+    shadow_map_in(scene, kind, size, (bias, taps), threads, buffer).map(|(map, _)| map)
 }
 
-/// [`shadow_map_for`] in the room of an earlier one, with the bounds that look-ups of `taps` x `taps` comparisons ask for.
+/// [`shadow_map_for`] in the buffer of an earlier map, with its bounds. Look-ups take `taps` x `taps` comparisons.
 pub(crate) fn shadow_map_in(
     scene: &Scene,
     kind: &ShadowKind,
     size: u32,
     (bias, taps): (ShadowBias, u32),
     threads: usize,
-    mut room: Vec<f32>,
+    mut buffer: Vec<f32>,
 ) -> Result<(ShadowMap, ShadowBounds), RenderError> {
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
@@ -96,7 +96,7 @@ pub(crate) fn shadow_map_in(
             .collect();
         let prepared = BinnedDraws::with_level(target, &draws, Level::new(), threads)
             .map_err(|error| RenderError::of_raster(scene, error))?;
-        let mut map = std::mem::take(&mut room);
+        let mut map = std::mem::take(&mut buffer);
         let alpha = cuts.as_ref().map(|cuts| cuts as &(dyn AlphaTest + Sync));
         prepared.depth_strips(threads, alpha, f32::INFINITY, &mut map, &|mut strip| {
             let fine = view.measure(&mut strip, size, reach);
@@ -119,7 +119,7 @@ pub(crate) fn shadow_map_in(
             depths = map;
         } else {
             depths.extend_from_slice(&map);
-            room = map;
+            buffer = map;
         }
     }
     let map = if good.into_inner() {
@@ -288,7 +288,7 @@ mod tests {
         }
     }
 
-    /// What the depth pass finds on its way is what a scan of its map finds, for any number of threads.
+    /// The bounds found by the depth pass are those of a scan of the map, for any number of threads.
     #[test]
     fn bounds_from_the_depth_pass_are_those_of_the_map() {
         let light = Light::spot([1.0; 3], [0.0, 4.0, 0.0], [0.0, -1.0, 0.0], 0.5, 0.7);

@@ -1,4 +1,4 @@
-//! Cut-outs in shadow maps: the holes that the camera sees are holes to the light.
+//! Alpha tests in shadow maps: holes of cut-outs let light through.
 
 use texmap_math::{Level, narrow, wide};
 use texmap_raster::{AlphaTest, Fragment, UvBlock};
@@ -9,8 +9,8 @@ use crate::textures::{Chains, Slot};
 use crate::{RenderError, RenderSettings};
 use texmap_scene::{AlphaMode, Mesh, Scene, UvSet};
 
-/// What the meshes of a scene let through. Those whose coordinates come from a texture frame, which is bound to the camera, let
-/// nothing through.
+/// The alpha tests of the meshes of a scene. Meshes whose coordinates come from a texture frame, which is bound to the camera, have
+/// none.
 pub(crate) struct AlphaTests<'s> {
     meshes: Vec<Option<AlphaTested<'s>>>,
     level: Level,
@@ -27,7 +27,7 @@ struct AlphaTested<'s> {
 }
 
 impl<'s> AlphaTests<'s> {
-    /// `None` if nothing has holes.
+    /// The alpha tests of a scene; `None` if no mesh has holes.
     ///
     /// # Errors
     /// [`RenderError::Memory`].
@@ -56,7 +56,7 @@ impl<'s> AlphaTests<'s> {
         }))
     }
 
-    /// Attributes of a mesh and how many a vertex has; `None` for one without holes.
+    /// Attributes of a mesh and their number per vertex; `None` for a mesh without holes.
     pub(crate) fn attributes(&self, mesh: usize) -> Option<(&[f32], usize)> {
         let cutting = self.meshes[mesh].as_ref()?;
         Some((&cutting.attributes, cutting.attribute_count))

@@ -93,7 +93,7 @@ pub(crate) struct Slot<'s> {
 }
 
 impl Slot<'_> {
-    /// Where the slot is read for coordinates of the mesh.
+    /// Coordinates of the slot, and their footprint, from those of the mesh.
     pub(crate) fn place(&self, uv: [f32; 2], d: Footprint) -> ([f32; 2], Footprint) {
         let Some([[a, b, c], [e, f, g]]) = self.transform else {
             return (uv, d);
@@ -108,23 +108,23 @@ impl Slot<'_> {
         (uv, d)
     }
 
-    /// Columns 0 and 1 of `uv` as coordinates of the slot over the first `count` places: themselves, or what is put into `room`.
+    /// Coordinates of the slot for the first `count` pixels of columns 0 and 1 of `uv`. They are `uv`, or `scratch` under a transform.
     pub(crate) fn placed<'a>(
         &self,
         uv: &'a Varyings,
         count: usize,
-        room: &'a mut Varyings,
+        scratch: &'a mut Varyings,
     ) -> &'a Varyings {
         if self.transform.is_none() {
             return uv;
         }
-        room.varyings.clear();
-        room.varyings.extend(uv.varyings.iter().take(2).cloned());
-        self.place_columns(room, count);
-        room
+        scratch.varyings.clear();
+        scratch.varyings.extend(uv.varyings.iter().take(2).cloned());
+        self.place_columns(scratch, count);
+        scratch
     }
 
-    /// [`uv_at`](Self::place) over the first `count` places of columns 0 and 1.
+    /// [`place`](Self::place) over the first `count` pixels of columns 0 and 1.
     pub(crate) fn place_columns(&self, values: &mut Varyings, count: usize) {
         if self.transform.is_none() {
             return;
@@ -139,7 +139,7 @@ impl Slot<'_> {
         );
     }
 
-    /// [`uv_at`](Self::place) over slices of one length: coordinates, and their changes to the right and down.
+    /// [`place`](Self::place) over slices of one length, of coordinates and their changes to the right and down.
     pub(crate) fn place_all(
         &self,
         [u, v]: [&mut [f32]; 2],
@@ -155,12 +155,12 @@ impl Slot<'_> {
         }
     }
 
-    /// Whether coordinates of the mesh are not those of the texture.
+    /// True if coordinates of the mesh are not those of the texture.
     pub(crate) fn is_transformed(&self) -> bool {
         self.transform.is_some()
     }
 
-    /// Whether the filter asks how large a pixel is.
+    /// True if the filter reads derivatives.
     pub(crate) fn reads_derivatives(&self) -> bool {
         self.sampler.filter.reads_derivatives()
     }
@@ -184,13 +184,13 @@ impl Slot<'_> {
             .sample_through_ramp(&self.texture, uv, d, sampler, texture)
     }
 
-    /// How much of a pixel lies inside of the outline where alpha is a half; `alpha` is what the filter gave.
+    /// Fraction of a pixel inside of the outline where alpha is a half; `alpha` is that of the filter.
     pub(crate) fn outline(&self, uv: [f32; 2], d: Footprint, alpha: f32) -> f32 {
         let (uv, d) = self.place(uv, d);
         self.sampler.antialiased_alpha(&self.texture, uv, d, alpha)
     }
 
-    /// What an opacity map says by this texel.
+    /// Opacity of a texel of an opacity map.
     pub(crate) fn opacity(&self, texel: [f32; 4]) -> f32 {
         texel[self.opacity_channel()]
     }
@@ -247,7 +247,7 @@ impl<'s> Slot<'s> {
 }
 
 impl Slot<'_> {
-    /// Whether any look-up may give less than full alpha.
+    /// True if some look-up may give less than full alpha.
     pub(crate) fn can_be_transparent(&self) -> bool {
         let s = &self.sampler;
         let border = s.wrap_u == Wrap::ClampToBorder || s.wrap_v == Wrap::ClampToBorder;

@@ -55,7 +55,7 @@ pub(crate) struct Vertices {
     screen_linear: u32,
 }
 
-/// What the rasterizer reads of a mesh.
+/// Vertex data of a mesh for the rasterizer.
 pub(crate) struct VertexData<'s> {
     pub(crate) positions: Cow<'s, [[f32; 3]]>,
     pub(crate) triangles: Cow<'s, [[u32; 3]]>,
@@ -109,7 +109,7 @@ impl Vertices {
             positions = Cow::Owned(split.vertices.iter().map(at).collect());
             triangles = Cow::Owned(split.triangles.clone());
         }
-        // A mirror turns counter-clockwise triangles round; the front stays the front.
+        // A mirroring transform reverses the winding of triangles; their fronts stay fronts.
         if world_from_object.determinant() < 0.0 {
             triangles.to_mut().iter_mut().for_each(|t| t.swap(1, 2));
         }
@@ -127,7 +127,7 @@ impl Vertices {
             false => Vec::new(),
         };
         let mut back_from = usize::MAX;
-        // Where triangles show their back, light reaches the other side of their vertices: a second set.
+        // Triangles that show their back are lit on the other side of their vertices: a second set.
         if lit && scene.materials[mesh.material].cull != Cull::Back {
             let away = facing_away(&points, &triangles, scene.camera.viewpoint());
             if away.contains(&true) {
@@ -173,13 +173,13 @@ struct Source<'s> {
     points: Vec<DVec3>,
     /// Vertices from here are those of back sides.
     back_from: usize,
-    /// Where vertices have one tangent each.
+    /// The vertices split by tangents, if tangents are among the values.
     split: Option<Split>,
 }
 
 /// Vertices split where the tangents of their corners differ.
 struct Split {
-    /// The mesh's vertex of each.
+    /// The mesh's vertex of each split vertex.
     vertices: Vec<u32>,
     tangents: Vec<[f32; 4]>,
     triangles: Vec<[u32; 3]>,

@@ -447,8 +447,8 @@ mod tests {
         }
         let mesh = Mesh::new(&positions, &faces).unwrap();
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let page = |face: usize| square.map(|[u, v]| [u + 2.0 * face as f32, v]);
-        let own: Vec<[f32; 2]> = (0..6).flat_map(page).collect();
+        let squares = |face: usize| square.map(|[u, v]| [u + 2.0 * face as f32, v]);
+        let own: Vec<[f32; 2]> = (0..6).flat_map(squares).collect();
         let split = UvSet::shared(&mesh, &own).split(&mesh, &[]).unwrap();
         assert_eq!((split.positions.len(), split.indices.len()), (24, 12));
         for (triangle, (_, corners)) in split.indices.iter().zip(faces.triangles()) {

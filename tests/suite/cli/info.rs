@@ -43,7 +43,7 @@ fn t_joints_are_counted_over_all_meshes() {
         0
     );
     let words = String::from_utf8(desk.texmap("info t.obj").ok().stdout).unwrap();
-    assert!(words.contains("1 T-joints"), "{words}");
+    assert!(words.contains("1 T-junctions"), "{words}");
 }
 
 #[test]

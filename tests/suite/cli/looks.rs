@@ -31,7 +31,7 @@ fn a_texture_of_ones_own_covers_what_has_none() {
     assert_eq!(strongest(16, 16), [true, false, false]);
     assert_eq!(strongest(48, 16), [false, true, false]);
     assert_eq!(strongest(16, 48), [false, false, true]);
-    // Where every surface has a picture, a warning says so.
+    // A warning tells that every surface has a picture.
     desk.put(
         "one.obj",
         "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl paper\nf 1/1 2/1 3/1\n",

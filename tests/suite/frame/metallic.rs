@@ -221,7 +221,7 @@ fn levels_and_threads_give_the_same_bytes() {
     assert!(colors.len() > 1000, "{}", colors.len());
 }
 
-/// What the second set says is what the first says on a mesh that has them exchanged.
+/// Second sets of coordinates give the picture of first ones on a mesh whose sets are exchanged.
 #[test]
 fn second_sets_are_read_by_every_slot() {
     let exchange = |slot: &mut TextureSlot| {

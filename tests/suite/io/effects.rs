@@ -69,7 +69,7 @@ fn settings_hold_for_later_faces_and_end_with_none() {
 }
 
 #[test]
-fn what_throws_shadows_and_how_much_of_it_a_map_shows() {
+fn casters_of_shadows_and_their_parts_in_a_map() {
     let floor = "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\n";
     let lid = "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
     let pixel = |words: &str, setting: &str| {

@@ -155,7 +155,7 @@ fn pictures_tangents_cuts_and_seams() {
     );
     let table = String::from_utf8(output.stdout).unwrap();
     assert!(
-        table.contains("shells                5\n"),
+        table.contains("islands               5\n"),
         "one sewn edge joins two of six sides:\n{table}"
     );
     for name in [

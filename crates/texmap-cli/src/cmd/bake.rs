@@ -26,7 +26,7 @@ use crate::output::{Destination, Stage, distinct};
 pub(crate) struct BakeArgs {
     /// The scene or OBJ model
     scene: PathBuf,
-    /// The mesh to bake, as a `name` line of the scene or the model calls it, or all of them; a wrong name lists them
+    /// The mesh to bake, by its name in the scene (`name` line) or model, or all; a wrong name lists them
     #[arg(long, value_name = "NAME|all")]
     object: String,
     /// Bake the light of a white matte surface (the one thing that can be baked so far)
@@ -35,10 +35,10 @@ pub(crate) struct BakeArgs {
     /// Texels a side
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16_384))]
     size: u32,
-    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes. Several meshes: a name with {object}
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) sets the format. Several meshes: a name with {object}
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Texels by which charts are dilated: 1 for bilinear look-ups, 2^L for mips down to level L
+    /// Texels by which islands are dilated: 1 for bilinear look-ups, 2^L for mips down to level L
     #[arg(long, value_name = "TEXELS", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=64))]
     gutter: u32,
     /// Texels a side of the shadow map of each light (of each face, for point lights); 0 for no shadows
@@ -47,7 +47,7 @@ pub(crate) struct BakeArgs {
     /// Comparisons a side of the shadow filter, odd. Its bias is that of a `shadow` line that names none
     #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=15))]
     shadow_taps: u32,
-    /// One luminance in place of three colours
+    /// One luminance instead of three colours
     #[arg(long)]
     luminance: bool,
     #[command(flatten)]
@@ -57,7 +57,7 @@ pub(crate) struct BakeArgs {
     pub(crate) json: bool,
 }
 
-/// Stands in the name of an output for the name of a mesh.
+/// Placeholder of a mesh name in the name of an output.
 const OBJECT: &str = "{object}";
 
 pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
@@ -149,7 +149,7 @@ fn refused(error: impl Into<Refusal>) -> Failure {
     Failure::of_render(error, None, "correct the scene, or bake another object")
 }
 
-/// Whether a light map has a place on the mesh.
+/// True if the mesh has coordinates for a light map.
 fn has_coordinates(mesh: &Mesh) -> bool {
     !(mesh.uvs.is_empty() && mesh.lightmap_uvs.is_empty())
 }
@@ -226,7 +226,7 @@ fn outputs(args: &BakeArgs, scene: &Scene, meshes: &[usize]) -> Result<Vec<PathB
     Ok(used.iter().map(name).collect())
 }
 
-/// A shadow map with the index of its light, its bias and its taps a side.
+/// A shadow map with the index of its light, its bias and its comparisons a side.
 type LightShadow = (usize, ShadowMap, ShadowBias, u32);
 
 /// A shadow map for each light that may have one.

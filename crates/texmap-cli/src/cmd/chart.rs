@@ -1,4 +1,4 @@
-//! `texmap chart`: speed against accuracy, measured here and now.
+//! `texmap chart`: speed against accuracy, measured on this machine.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ use crate::values::Resolution;
                   Own scene:   texmap chart room.scene -o room.html"
 )]
 pub(crate) struct ChartArgs {
-    /// A scene or model to chart in place of the six panels
+    /// A scene or model to chart instead of the six panels
     scene: Option<PathBuf>,
     /// The .html page, or the .csv of all points
     #[arg(short, long, value_name = "OUT", required = true)]
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
     if let Some(path) = &args.prices {
         formats::ending("--prices", path, &["csv"])?;
     }
-    // What cannot be written is refused before anything is measured.
+    // Outputs that cannot be written are refused before anything is measured.
     let charts = args.svg.as_ref().map(|folder| folder.join("chart.svg"));
     for path in charts.iter().chain(&args.prices) {
         Stage::new(&Destination::new(path)?)?;

@@ -15,7 +15,7 @@ use crate::output::{Destination, Stage};
 #[derive(Args, Debug)]
 #[command(after_help = "Exit code 1 when a claim fails; the picture is written all the same.")]
 pub(crate) struct DemoArgs {
-    /// Which demo; --list names them
+    /// Name of the demo; --list prints all names
     #[arg(required_unless_present = "list")]
     name: Option<String>,
     /// The PNG to write; `-` is standard output
@@ -110,7 +110,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// Says each claim, and whether all hold.
+/// Prints each claim; true if all hold.
 fn tell(
     args: &DemoArgs,
     name: &str,

@@ -1,4 +1,4 @@
-//! `texmap diff`: the figures of two images, and whether they are equal enough.
+//! `texmap diff`: the differences of two images, and their judgement by limits.
 
 use std::path::PathBuf;
 
@@ -22,9 +22,9 @@ use crate::output::{Destination, Stage, distinct};
                   Exit code 1 on FAIL."
 )]
 pub(crate) struct DiffArgs {
-    /// What is expected
+    /// The expected image or array
     expected: PathBuf,
-    /// What is compared with it
+    /// The image or array to judge
     actual: PathBuf,
     /// Fail when a value differs by more; 0.004 is one code value of an 8-bit image
     #[arg(long, value_name = "X", value_parser = limit)]
@@ -47,7 +47,7 @@ struct Report {
     actual: String,
     width: usize,
     height: usize,
-    /// Of the files; the figures of images are those of three.
+    /// Channels of the files; the figures of images are those of three.
     channels: usize,
     #[serde(flatten)]
     values: Figures,
@@ -192,7 +192,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     Ok(if pass { Exit::Done } else { Exit::Differs })
 }
 
-/// Refuses what has no common values: other sizes, codes against light.
+/// Refuses files without common values: other sizes, codes against light.
 fn comparable(args: &DiffArgs, expected: &Buffer, actual: &Buffer) -> Result<(), Failure> {
     let names = (args.expected.display(), args.actual.display());
     let (e, a) = (expected.shape, actual.shape);

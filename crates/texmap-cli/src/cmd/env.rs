@@ -22,7 +22,7 @@ use crate::output::{Destination, Stage, distinct};
 pub(crate) struct EnvArgs {
     /// The environment: PNG, JPEG, HDR or EXR
     image: PathBuf,
-    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) sets the format
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// The layout of the image

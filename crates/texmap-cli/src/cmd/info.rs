@@ -1,4 +1,4 @@
-//! `texmap info`: what a scene or model holds, and what it misses.
+//! `texmap info`: the contents of a scene or model, and missing files.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -65,7 +65,7 @@ fn words(info: &FileInfo) -> String {
     if info.t_joints > 0 {
         let _ = writeln!(
             text,
-            "{}{} T-joints: vertices inside an edge of another face, where pixels may be missing",
+            "{}{} T-junctions: vertices inside an edge of another face, where pixels may be missing",
             if info.t_joints_at_least {
                 "at least "
             } else {
@@ -103,7 +103,7 @@ fn words(info: &FileInfo) -> String {
     text
 }
 
-/// What `render` can choose from, and the extensions of the file.
+/// Cameras and animations that `render` can choose, and the extensions of the file.
 fn choices(info: &FileInfo) -> String {
     let mut text = String::new();
     let named = |number: usize, name: &str| match name {

@@ -1,4 +1,4 @@
-//! `texmap completions` and `texmap man`: what shells and `man` read, made from the arguments themselves.
+//! `texmap completions` and `texmap man`: shell completions and manual pages, made from the arguments.
 
 use std::path::PathBuf;
 

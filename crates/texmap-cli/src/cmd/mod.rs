@@ -1,4 +1,4 @@
-//! One module per verb: its arguments and what it does.
+//! The verbs, one module each: arguments and action.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub(crate) mod uv_raster;
 pub(crate) mod warp;
 pub(crate) mod written;
 
-/// Where a verb that loads scenes reads files from.
+/// Folder that a verb which loads scenes is confined to.
 #[derive(Args, Debug)]
 pub(crate) struct Root {
     /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers

@@ -1,4 +1,4 @@
-//! `texmap sample`: values of an image at given coordinates, for anyone who wants to check us.
+//! `texmap sample`: values of an image at given coordinates, for checks by other programs.
 
 use std::path::{Path, PathBuf};
 

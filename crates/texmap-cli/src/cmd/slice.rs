@@ -24,13 +24,13 @@ use crate::values;
 pub(crate) struct SliceArgs {
     /// The grid (.npy), or the pattern: marble, wood, noise
     volume: PathBuf,
-    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) sets the format
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// The axis that the cut stands across
     #[arg(long, value_enum, default_value_t = Axis::Z)]
     axis: Axis,
-    /// Where along the axis, 0 to 1
+    /// Position along the axis, 0 to 1
     #[arg(
         long,
         value_name = "T",

@@ -1,4 +1,4 @@
-//! `texmap stability`: the inputs on which methods fail, measured here and now.
+//! `texmap stability`: the inputs on which methods fail, measured anew.
 
 use clap::Args;
 use serde::Serialize;
@@ -7,7 +7,7 @@ use texmap_lab::cases::{self, Case, Outcome, Verdict};
 use crate::failure::{self, Exit, Failure, say_always};
 use crate::progress::Progress;
 
-/// Run the failure cases: what is put in, what is demanded, what every method gives.
+/// Run the failure cases: inputs, demands, and the results of every method.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Prints Markdown tables. Naive methods must fail, visibly. Exit code 1 when a demand is not met."
@@ -47,7 +47,7 @@ struct CheckReport<'a> {
     limit: Option<f64>,
     at_least: Option<f64>,
     figure: Option<f64>,
-    /// `null` where the figure is not finite; `measured_text` says which.
+    /// The figure; `null` if it is not finite, which `measured_text` tells.
     measured: Option<f64>,
     measured_text: Option<String>,
     verdict: &'static str,

@@ -14,12 +14,12 @@ use super::uv::source::Source;
 use crate::failure::{Exit, Failure, print_json, say};
 use crate::output::{Destination, Stage, distinct};
 
-/// Draw a mesh into its own texture space: which face, where on it, position and normal of every texel.
+/// Draw a mesh into its texture space: face, barycentric weights, position and normal of every texel.
 ///
 /// Writes PREFIX.face.npy (number of the face in the file, from 0), PREFIX.triangle.npy (row of PREFIX.triangles.npy,
 /// which lists face and three vertices), PREFIX.barycentric.npy (weights of these vertices), PREFIX.position.npy,
 /// PREFIX.normal.npy and PREFIX.coverage.npy (0 free, 1 centre covered, 2 touched, 3 gutter), and each of them as PNG.
-/// Rows run from the top, so v = 1 is row 0. Free texels have face 4294967295. Where faces overlap the first one wins.
+/// Rows run from the top, so v = 1 is row 0. Free texels have face 4294967295. The first of overlapping faces wins.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Needs texture coordinates: `texmap uv MESH -o OUT.obj --map unwrap` makes some."
@@ -27,7 +27,7 @@ use crate::output::{Destination, Stage, distinct};
 pub(crate) struct UvRasterArgs {
     /// An OBJ file with texture coordinates
     mesh: PathBuf,
-    /// Where to write: names begin with this
+    /// Prefix of the names of the files to write
     #[arg(short, long, value_name = "PREFIX")]
     output: PathBuf,
     /// Edge of the atlas in texels; memory is about 70 bytes a texel
@@ -36,7 +36,7 @@ pub(crate) struct UvRasterArgs {
     /// Also texels that a face only touches: no face inside the atlas is lost, however small
     #[arg(long)]
     conservative: bool,
-    /// Texels by which charts are dilated
+    /// Texels by which islands are dilated
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=4_096))]
     gutter: u32,
     /// Write no PNG, only the arrays
@@ -216,7 +216,7 @@ fn f32s(values: &[[f32; 3]]) -> npy::Values<'_> {
 /// The colour of a texel.
 type Paint<'a> = Box<dyn Fn(usize) -> [u8; 3] + 'a>;
 
-/// What each picture shows at a texel that has a face.
+/// The values that each picture shows at a texel that has a face.
 fn pictures<'a>(atlas: &'a Atlas, face: &'a [u32]) -> Vec<(&'static str, Paint<'a>)> {
     let byte = |x: f32| texmap_math::color::unit_to_u8(x);
     let taken = atlas.position.iter().zip(&atlas.face);

@@ -23,7 +23,7 @@ use crate::values::{self, Resolution};
 /// Positions are pixels of (0,0) at the upper left corner; pixel centres lie at one half. Give four
 /// points (--from, --to), a matrix, or any of --scale, --rotate, --translate (applied in this order
 /// around the middle of the image). A 16-bit PNG becomes one of 16 bits. HDR and EXR are linear light, read and written as floats.
-/// A pixel that an edge of the image cuts is as opaque as the share of its square that the image covers.
+/// The alpha of a pixel that an edge of the image cuts is the fraction of its square that the image covers.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Rectify a facade:   texmap warp photo.jpg --from 120,80 690,140 700,610 100,580 --size 600x500 -o facade.png\n\
@@ -32,13 +32,13 @@ use crate::values::{self, Resolution};
 pub(crate) struct WarpArgs {
     /// The image: PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR
     image: PathBuf,
-    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) says what it becomes; `-` is standard output, PNG
+    /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) sets the format; `-` is standard output, PNG
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Four points of the input, in order around the quad [default: its corners]
     #[arg(long, num_args = 4, value_name = "X,Y", allow_hyphen_values = true)]
     from: Vec<Point>,
-    /// Where they go in the output [default: its corners, from the upper left clockwise]
+    /// The same four points in the output [default: its corners, from the upper left clockwise]
     #[arg(long, num_args = 4, value_name = "X,Y", allow_hyphen_values = true)]
     to: Vec<Point>,
     /// Input to output positions: 6 numbers (affine, two rows) or 9 (homography, three rows)
@@ -59,7 +59,7 @@ pub(crate) struct WarpArgs {
     /// Behaviour outside the image: transparent, border (black), edge or repeat
     #[arg(long, value_name = "WHAT", default_value = "transparent")]
     outside: Beyond,
-    /// How texels become pixels: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8, ewa:8:0.75
+    /// Texture filter: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8, ewa:8:0.75
     #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "anisotropic:16")]
     filter: Filter,
     /// srgb decodes before filtering; raw takes the codes as they are. Floats are linear light either way
@@ -231,7 +231,7 @@ fn output_from_source(
     .map_err(refused)
 }
 
-/// Rows of a band: each band is one thread's alone.
+/// Rows of a band; each band belongs to one thread.
 const BAND: usize = 32;
 
 /// All threads draw one band each while the bands before are encoded, so that no more than two rounds of

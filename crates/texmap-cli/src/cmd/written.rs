@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::failure::{self, Exit, Failure};
 
-/// What a verb wrote.
+/// Files that a verb wrote.
 #[derive(Debug, Serialize)]
 pub(crate) struct Written {
     texmap: &'static str,

@@ -8,7 +8,7 @@ use super::folder_of;
 use super::made::existing;
 use crate::failure::Failure;
 
-/// A file by what it is, not by how it is written.
+/// Identity of a file, whatever the spelling of its name.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Identity {
     /// `-`.
@@ -21,7 +21,7 @@ enum Identity {
 }
 
 impl Identity {
-    /// `None` for what nothing is lost in: devices and pipes.
+    /// `None` for devices and pipes, in which nothing is lost.
     fn of(path: &Path) -> Option<Self> {
         if path == Path::new("-") {
             return Some(Self::Stdout);

@@ -1,4 +1,4 @@
-//! Temporary folders beside the outputs. Each holds a locked file, which tells the living from what a killed run left.
+//! Temporary folders beside the outputs. Each holds a locked file, which tells folders in use from those of killed runs.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::interrupt;
 
-/// How the names of all temporary folders begin.
+/// Prefix of the names of all temporary folders.
 pub(super) const PREFIX: &str = ".texmap-";
 
 /// Locked by the run that a folder belongs to, as long as it lives.
@@ -28,7 +28,7 @@ pub(super) struct Folder {
 }
 
 impl Folder {
-    /// Makes a folder in `at`, after removing what killed runs left there.
+    /// Makes a folder in `at`, after removing the folders of killed runs there.
     pub(super) fn new(at: &Path) -> io::Result<Self> {
         sweep_once(at);
         // Locked before a signal can find the folder missing from the list.
@@ -79,7 +79,7 @@ fn sweep_once(at: &Path) {
     }
 }
 
-/// Removes temporary folders whose lock nobody holds. What cannot be read or removed stays without a word.
+/// Removes temporary folders whose lock nobody holds. Folders that cannot be read or removed stay, without a message.
 fn sweep(at: &Path) {
     let Ok(entries) = fs::read_dir(at) else {
         return;
@@ -112,7 +112,7 @@ mod tests {
     fn only_what_nobody_holds_is_swept() {
         let dir = tempfile::tempdir().unwrap();
         let living = Folder::new(dir.path()).unwrap();
-        // What a killed run leaves: the lock file is there, but free.
+        // The rest of a killed run: the lock file is there, but free.
         let stale = dir.path().join(".texmap-stale");
         fs::create_dir(&stale).unwrap();
         fs::write(stale.join(LOCK), "").unwrap();

@@ -28,7 +28,7 @@ impl MadeFolders {
         Ok(made)
     }
 
-    /// They stay.
+    /// Keeps the folders.
     pub(super) fn keep(mut self) {
         self.folders.clear();
     }
@@ -37,7 +37,7 @@ impl MadeFolders {
 impl Drop for MadeFolders {
     fn drop(&mut self) {
         for folder in self.folders.iter().rev() {
-            // What others have put there stays.
+            // Files of others stay.
             let _ = fs::remove_dir(folder);
         }
     }

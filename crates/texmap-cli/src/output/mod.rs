@@ -1,5 +1,5 @@
-//! Where results go: checked before anything is drawn, written into a temporary folder beside
-//! their final names, and renamed together when all of them are complete.
+//! Outputs of the verbs. They are checked before anything is drawn, written into a temporary folder
+//! beside their final names, and renamed together when all of them are complete.
 
 mod distinct;
 mod folder;
@@ -46,7 +46,7 @@ impl Destination {
                 "the name belongs to a folder",
                 "name a file in it, such as out.png",
             )),
-            // A symbolic link stays: what it points at is replaced.
+            // A symbolic link stays; its target is replaced.
             Ok(m) if m.is_file() => Ok(Self::File(
                 fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
             )),
@@ -103,7 +103,7 @@ impl Stage {
         })
     }
 
-    /// Where to write what shall become `destination`.
+    /// Path of the temporary file that becomes `destination`.
     pub(crate) fn add(&mut self, destination: Destination, ending: &str) -> PathBuf {
         let name = staged_name(self.files.len(), &destination, ending);
         let path = self.folder.path().join(name);
@@ -111,7 +111,7 @@ impl Stage {
         path
     }
 
-    /// Streams what goes to standard output and devices, then renames the rest into place. No signal comes between two renames.
+    /// Streams outputs to standard output and devices, then renames the rest. No signal comes between two renames.
     pub(crate) fn commit(mut self) -> Result<(), Failure> {
         let refused = |path: &Path, e: &io::Error| {
             let attempt = "check the permissions and the free space";

@@ -1,9 +1,9 @@
-//! The second line of an error: why a file is refused, and what to try.
+//! The second line of an error: the reason why a file is refused, and a remedy.
 
 use super::{IoError, SourceLocation};
 
 impl IoError {
-    /// One line: why this is refused, and what to try.
+    /// One line with the reason of the error and a remedy.
     pub fn help(&self) -> String {
         match self {
             Self::FileMissing { named_by: Some(_), .. } => "names are relative to the file that holds the line; put the file there or correct the line (for maps and material libraries, `missing warn` draws without them)".into(),

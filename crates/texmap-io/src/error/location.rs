@@ -1,4 +1,4 @@
-//! Where in a text file an error is.
+//! Position of an error in a text file.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ pub struct SourceLocation {
 }
 
 impl SourceLocation {
-    /// The place `line`:`column` of `file`.
+    /// The position `line`:`column` of `file`.
     pub fn new(file: &Path, line: u32, column: u32) -> Self {
         Self {
             file: file.to_path_buf(),
@@ -34,7 +34,7 @@ impl fmt::Display for SourceLocation {
 }
 
 impl IoError {
-    /// The place in a text file that the error speaks of, if there is one.
+    /// The position of the error in a text file, if it has one.
     pub fn location(&self) -> Option<&SourceLocation> {
         match self {
             Self::FileMissing { named_by, .. }
@@ -83,7 +83,7 @@ impl IoError {
     }
 }
 
-/// The place as a message begins with it, if there is one.
+/// The position as a message begins with it, if there is one.
 pub(super) fn line_of(location: &Option<SourceLocation>) -> String {
     location
         .as_ref()

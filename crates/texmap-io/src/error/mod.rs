@@ -1,4 +1,4 @@
-//! What can be wrong with a file: one line says what and where, one says why and what to try.
+//! Errors of files. One line says what and where, one says why and what to try.
 
 mod help;
 mod location;
@@ -16,7 +16,7 @@ pub use shown::{plain, plain_json, shortened, shown};
 
 use shown::one_message;
 
-/// Why a file cannot be read or written.
+/// Reasons for which a file cannot be read or written.
 ///
 /// `Display` is the line *what and where*; [`IoError::help`] is the line *why and what to try*;
 /// [`IoError::code`] is a short name that stays the same from version to version.
@@ -46,7 +46,7 @@ pub enum IoError {
         path: PathBuf,
         /// The line that names it, if a file does.
         named_by: Option<SourceLocation>,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The operating system refused to write.
@@ -54,7 +54,7 @@ pub enum IoError {
     Write {
         /// The file that should have been written.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A file outside of the folder to which reading is confined.
@@ -90,7 +90,7 @@ pub enum IoError {
     /// A word that is no command.
     #[error("{location}: unknown command `{word}`", word = shortened(.word))]
     UnknownCommand {
-        /// Where the word stands.
+        /// Position of the word.
         location: SourceLocation,
         /// The word.
         word: String,
@@ -100,7 +100,7 @@ pub enum IoError {
     /// Numbers before the first command.
     #[error("{location}: number `{text}` with no command above it", text = shortened(.text))]
     StrayNumber {
-        /// Where the number stands.
+        /// Position of the number.
         location: SourceLocation,
         /// The number.
         text: String,
@@ -112,15 +112,15 @@ pub enum IoError {
         location: SourceLocation,
         /// The command.
         command: &'static str,
-        /// What it takes.
+        /// Values that the command takes, in words.
         expected: Cow<'static, str>,
-        /// How many values were found.
+        /// Number of values found.
         found: usize,
     },
     /// A word where a number is needed.
     #[error("{location}: `{command}`: `{text}` is not a number", text = shortened(.text))]
     NotANumber {
-        /// Where the word stands.
+        /// Position of the word.
         location: SourceLocation,
         /// The command.
         command: &'static str,
@@ -130,69 +130,69 @@ pub enum IoError {
     /// NaN, an infinity, or a number beyond 32-bit floats.
     #[error("{location}: `{command}`: `{text}` is not a finite 32-bit number", text = shortened(.text))]
     NotFinite {
-        /// Where the number stands.
+        /// Position of the number.
         location: SourceLocation,
         /// The command.
         command: &'static str,
         /// The number.
         text: String,
     },
-    /// A number outside of what its command allows.
+    /// A number outside of the range of its command.
     #[error("{location}: `{command}`: `{text}` is out of range", text = shortened(.text))]
     OutOfRange {
-        /// Where the number stands.
+        /// Position of the number.
         location: SourceLocation,
         /// The command.
         command: &'static str,
         /// The number.
         text: String,
-        /// What is allowed.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
     /// A word that its command does not know.
     #[error("{location}: `{command}` does not know `{word}`", word = shortened(.word))]
     UnknownWord {
-        /// Where the word stands.
+        /// Position of the word.
         location: SourceLocation,
         /// The command.
         command: &'static str,
         /// The word.
         word: String,
-        /// What is allowed.
+        /// Allowed values, in words.
         allowed: Cow<'static, str>,
     },
     /// A quote that does not end, or one inside a word.
     #[error("{location}: stray quote")]
     StrayQuote {
-        /// Where the quote stands.
+        /// Position of the quote.
         location: SourceLocation,
     },
     /// An index of a vertex, texture coordinate or normal that does not exist.
     #[error("{location}: {of} index {index} does not exist; there are {count} above this line", index = shortened(.index))]
     BadIndex {
-        /// Where the index stands.
+        /// Position of the index.
         location: SourceLocation,
         /// `vertex`, `texture coordinate` or `normal`.
         of: &'static str,
         /// The index as written.
         index: String,
-        /// How many there are.
+        /// Number of elements above the line.
         count: usize,
     },
     /// A face of fewer than three corners.
     #[error("{location}: `{command}` with {found} corners; a face needs 3 or more")]
     TooFewCorners {
-        /// Where the face stands.
+        /// Position of the face.
         location: SourceLocation,
         /// The command.
         command: &'static str,
-        /// How many corners it has.
+        /// Number of corners of the face.
         found: usize,
     },
     /// An OBJ face whose corners do not all name the same kinds of data.
     #[error("{location}: corners of one face differ: some name a {of}, some do not")]
     MixedCorners {
-        /// Where the odd corner stands.
+        /// Position of the odd corner.
         location: SourceLocation,
         /// `texture coordinate` or `normal`.
         of: &'static str,
@@ -200,17 +200,17 @@ pub enum IoError {
     /// A command that needs another one above it.
     #[error("{location}: `{command}` needs {needs} above it")]
     NeedsAbove {
-        /// Where the command stands.
+        /// Position of the command.
         location: SourceLocation,
         /// The command.
         command: &'static str,
-        /// What it needs, such as "a `texture` line".
+        /// Missing line or setting, such as "a `texture` line".
         needs: &'static str,
     },
     /// A `push` that no `pop` closes.
     #[error("{location}: `push` without a `pop` in the same file")]
     OpenPush {
-        /// Where the push stands.
+        /// Position of the push.
         location: SourceLocation,
     },
     /// A file that includes itself.
@@ -224,9 +224,9 @@ pub enum IoError {
     /// A texture frame whose U and V do not span a plane.
     #[error("{location}: `frame`: {problem}", problem = one_message(.problem))]
     DegenerateFrame {
-        /// Where the frame stands.
+        /// Position of the frame.
         location: SourceLocation,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// A camera that sees nothing.
@@ -234,7 +234,7 @@ pub enum IoError {
     BadCamera {
         /// The last line that set the camera.
         location: SourceLocation,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// A projector that projects nowhere.
@@ -242,7 +242,7 @@ pub enum IoError {
     BadProjector {
         /// Its line.
         location: SourceLocation,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// An image that cannot be decoded.
@@ -252,7 +252,7 @@ pub enum IoError {
         path: PathBuf,
         /// The line that names it, if a file does.
         named_by: Option<SourceLocation>,
-        /// What the decoder said.
+        /// Message of the decoder.
         problem: String,
     },
     /// An image without texels, or larger than the limit.
@@ -267,20 +267,20 @@ pub enum IoError {
         /// Its height.
         height: u32,
     },
-    /// An environment whose chart cannot have the image's sides.
+    /// An environment whose layout cannot have the image's sides.
     #[error("{}{}: an environment of {width} x {height} texels is no {chart} map", line_of(.named_by), shown(.path))]
     EnvironmentSize {
         /// The image.
         path: PathBuf,
         /// The line that names it, if a file does.
         named_by: Option<SourceLocation>,
-        /// The chart.
+        /// The layout.
         chart: &'static str,
         /// Its width.
         width: u32,
         /// Its height.
         height: u32,
-        /// Sides that the chart can have, in words.
+        /// Sides that the layout can have, in words.
         expected: String,
     },
     /// A line whose shape cannot be made.
@@ -288,7 +288,7 @@ pub enum IoError {
     BadShape {
         /// The line.
         location: SourceLocation,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// A scene that draws nothing.
@@ -318,7 +318,7 @@ pub enum IoError {
     BrokenModelLine {
         /// The line.
         location: SourceLocation,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// A model of points without faces.
@@ -328,7 +328,7 @@ pub enum IoError {
         path: PathBuf,
         /// The line that names it, if a file does.
         named_by: Option<SourceLocation>,
-        /// How many points there are.
+        /// Number of points.
         points: usize,
         /// `points` or `Gaussian splats`.
         kind: &'static str,
@@ -338,7 +338,7 @@ pub enum IoError {
     BrokenModel {
         /// The model.
         path: PathBuf,
-        /// What the reader said.
+        /// Message of the reader.
         problem: String,
     },
     /// A glTF file that contradicts itself or the standard.
@@ -348,7 +348,7 @@ pub enum IoError {
         path: PathBuf,
         /// JSON pointer of the fault; empty where it is not in the JSON.
         pointer: String,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// A glTF file of a version, or with an extension, that is not read.
@@ -356,11 +356,11 @@ pub enum IoError {
     UnsupportedGltf {
         /// The file.
         path: PathBuf,
-        /// JSON pointer of what asks for it.
+        /// JSON pointer of the part that needs the version or the extension.
         pointer: String,
         /// The version or the extension.
         feature: String,
-        /// What to do, with the command that converts the file where there is one.
+        /// Remedy, with the command that converts the file if there is one.
         instead: String,
     },
     /// A fault of a file, or of a part, that a glTF file names.
@@ -368,7 +368,7 @@ pub enum IoError {
     NamedByGltf {
         /// The glTF file.
         path: PathBuf,
-        /// JSON pointer of what names it.
+        /// JSON pointer of the part that names the file.
         pointer: String,
         /// The fault.
         error: Box<Self>,
@@ -390,7 +390,7 @@ pub enum IoError {
     BrokenArray {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
     /// Something that takes more memory than the budget has.
@@ -398,21 +398,21 @@ pub enum IoError {
     Memory {
         /// The line that asks for it, if a file does.
         named_by: Option<SourceLocation>,
-        /// How much it takes.
+        /// Refusal of the memory budget.
         refused: OverBudget,
     },
     /// A camera path that cannot be read.
     #[error("{location}: camera path: {problem}", problem = one_message(.problem))]
     BrokenPath {
-        /// Where it is wrong.
+        /// Position of the fault.
         location: SourceLocation,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
 }
 
 impl IoError {
-    /// A refusal of the memory budget, for what a line of a file asks for.
+    /// A refusal of the memory budget for a file or a line of one.
     pub(crate) fn memory(refused: OverBudget, named_by: Option<&SourceLocation>) -> Self {
         Self::Memory {
             named_by: named_by.cloned(),
@@ -470,7 +470,7 @@ impl IoError {
 }
 
 impl IoError {
-    /// The same without what it quotes of the file: for files that may be something else than they are taken for.
+    /// The error without quotations of the file, for files that may not be of their expected kind.
     pub(crate) fn without_words(mut self) -> Self {
         match &mut self {
             Self::UnknownCommand { word: quoted, .. }

@@ -1,4 +1,5 @@
-//! Text from files and names of files as messages show them: on one line, without what commands a terminal, and not at any length.
+//! Text from files and names of files as messages show them. Messages have one line of limited length, without characters that command
+//! a terminal.
 
 use std::fmt::{self, Write};
 use std::path::Path;
@@ -14,7 +15,7 @@ pub fn shortened(text: &str) -> impl fmt::Display {
     cut(text, LONGEST)
 }
 
-/// What a library says, which may quote a file.
+/// The message of a library, which may quote a file.
 pub(crate) fn one_message(text: &str) -> impl fmt::Display {
     cut(text, MESSAGE)
 }
@@ -50,8 +51,8 @@ pub fn plain_json(text: &str) -> String {
     out
 }
 
-/// The name of a file for a message: whole, with its control characters escaped; what is no Unicode is U+FFFD. A name that is longer
-/// than files have is a word of the file that holds it, and cut like one.
+/// The name of a file for a message, whole and with its control characters escaped. Bytes that are no Unicode become U+FFFD. A name
+/// longer than those of files is a word of the file that holds it, and is cut like one.
 pub fn shown(path: &Path) -> impl fmt::Display {
     const LONGEST_PATH: usize = 4096;
     let text = path.to_string_lossy();

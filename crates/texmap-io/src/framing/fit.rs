@@ -1,6 +1,6 @@
-//! The nearest camera of a direction that shows every vertex within a share of the picture.
+//! The nearest camera of a direction that shows every vertex within a fraction of the picture.
 //!
-//! In the axes of the picture (x to the right, y up, z to the eye) a vertex is at most the share `t` of the half width at distance 1 from
+//! In the axes of the picture (x to the right, y up, z to the eye) a vertex is at most the fraction `t` of the half width at distance 1 from
 //! the line of sight where `x - ex <= t (ez - z)` and `ex - x <= t (ez - z)`. With `A = max(x + t z)` and `B = max(-x + t z)` over all
 //! vertices that is `ez >= (A + B) / 2t`, and at the least `ez` the eye is at `ex = (A - B) / 2`. The same holds for y; the larger `ez`
 //! serves both.
@@ -54,17 +54,17 @@ impl Extent {
         }
         let [a, b, c, d] = self.reach;
         // Nothing touches the eye: a needle along the line of sight has no width.
-        let room = match size.max_element() {
+        let gap = match size.max_element() {
             largest if largest > 0.0 => 0.1 * largest,
             _ => 1.0,
         };
         let ez = ((a + b) / (2.0 * tx))
             .max((c + d) / (2.0 * ty))
-            .max(self.high.z + room);
+            .max(self.high.z + gap);
         let (eye, parallel_width) = if framing.parallel {
             let middle = (self.low + self.high) * 0.5;
             let width = size.x.max(size.y * aspect) / Framing::FILL;
-            let width = if width > 0.0 { width } else { room };
+            let width = if width > 0.0 { width } else { gap };
             (DVec3::new(middle.x, middle.y, ez), Some(width))
         } else {
             (DVec3::new((a - b) * 0.5, (c - d) * 0.5, ez), None)
@@ -78,7 +78,7 @@ impl Extent {
             fov_x: framing.fov_x,
             near: (distance * 1e-3).min(nearest * 0.5),
             far: match framing.parallel {
-                true => ez - self.low.z + room,
+                true => ez - self.low.z + gap,
                 false => f64::INFINITY,
             },
             lens: Lens {
@@ -89,7 +89,7 @@ impl Extent {
     }
 }
 
-/// The share of the half width and half height at distance 1 that vertices may reach.
+/// Fractions of the half width and half height at distance 1 that vertices may reach.
 fn share(framing: &Framing, aspect: f64) -> [f64; 2] {
     let tx = Framing::FILL * deterministic_f64::tan(0.5 * framing.fov_x);
     [tx, tx / aspect]

@@ -81,7 +81,7 @@ impl View {
         ("iso", Self::Iso),
     ];
 
-    /// Its word.
+    /// The word of the view.
     pub fn name(self) -> &'static str {
         Self::ALL
             .iter()
@@ -133,7 +133,7 @@ pub struct Framing {
     pub up: Up,
     /// Horizontal field of view, radians; a parallel projection looks from as far away.
     pub fov_x: f64,
-    /// A parallel (orthographic) projection in place of a central one.
+    /// True for a parallel (orthographic) projection instead of a central one.
     pub parallel: bool,
 }
 
@@ -150,7 +150,7 @@ impl Default for Framing {
 }
 
 impl Framing {
-    /// Share of the picture's width or height that a model fills.
+    /// Fraction of the picture's width or height that a model fills.
     pub const FILL: f64 = 0.9;
 
     /// The camera for a picture of `aspect` = width / height; `None` for a scene without triangles.
@@ -161,7 +161,7 @@ impl Framing {
     }
 
     /// The cameras of `frames` pictures around the model, counter-clockwise seen from above, the first from the side of the view:
-    /// all at one distance, so that the model fills its share where it is widest. Empty for a scene without triangles.
+    /// all at one distance, so that the widest view of the model fills [`FILL`](Self::FILL). Empty for a scene without triangles.
     #[must_use]
     pub fn turntable(&self, scene: &Scene, aspect: f64, frames: u32) -> Vec<Camera> {
         let back = self.view.direction(self.up);

@@ -61,7 +61,7 @@ impl Component {
 }
 
 impl<'m> Model<'m> {
-    /// The accessor that the place `pointer` names.
+    /// The accessor that `pointer` names.
     pub(super) fn accessor(&'m self, index: usize, pointer: &str) -> Result<Accessor<'m>, IoError> {
         let list = &self.document.accessors;
         let stated = self.item(list, index, pointer, "accessor")?;

@@ -7,10 +7,10 @@ use super::model::Model;
 use super::nodes::Trs;
 use crate::IoError;
 
-/// What an animation sets, by node.
+/// The pose that an animation sets, by node.
 #[derive(Debug, Default)]
 pub(super) struct Pose {
-    /// Of every node that has one of the three animated.
+    /// Translation, rotation and scale of every node that has one of them animated.
     pub(super) places: Vec<(usize, Trs)>,
     pub(super) weights: Vec<(usize, Vec<f64>)>,
     /// Channels that move something else.
@@ -29,7 +29,7 @@ impl Pose {
     }
 }
 
-/// What the animation `index` sets at `time`, seconds; the first and the last key hold beyond them.
+/// The pose of the animation `index` at `time`, seconds; the first and the last key hold beyond them.
 pub(super) fn pose(model: &Model<'_>, index: usize, time: f64) -> Result<Pose, IoError> {
     let animation = &model.document.animations[index];
     let mut pose = Pose::default();
@@ -154,7 +154,7 @@ fn keys<const N: usize>(
 }
 
 impl Keys {
-    /// Index of the last key at or before `time`, and the share of the way to the next one.
+    /// Index of the last key at or before `time`, and the fraction of the way to the next one.
     fn find(&self, time: f64) -> (usize, f64) {
         let next = self.times.partition_point(|t| *t <= time);
         let Some(key) = next.checked_sub(1) else {
@@ -219,7 +219,7 @@ impl Keys {
     }
 }
 
-/// The rotation a share of the way from `a` to `b`, the shorter way (Shoemake 1985).
+/// The rotation at a fraction of the way from `a` to `b`, the shorter way (Shoemake 1985).
 fn slerp(a: [f64; 4], b: [f64; 4], share: f64) -> [f64; 4] {
     let unit = |q: [f64; 4]| {
         let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();

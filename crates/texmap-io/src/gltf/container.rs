@@ -142,7 +142,7 @@ fn check_version(path: &Path, document: Document) -> Result<Document, IoError> {
     }
 }
 
-/// Whether a text that is no glTF 2.0 says that it is of version 1, whose lists are objects.
+/// True if a text that is no glTF 2.0 states version 1, whose lists are objects.
 fn states_first_version(json: &[u8]) -> bool {
     #[derive(Default, Deserialize)]
     #[serde(default)]

@@ -1,10 +1,10 @@
-//! The extensions of glTF: what becomes of each.
+//! The extensions of glTF and their treatment.
 
 use super::json::Document;
 use super::model::Model;
 use crate::{IoError, info::ExtensionInfo};
 
-/// What becomes of an extension.
+/// Treatment of an extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Support {
     /// Read.
@@ -94,7 +94,7 @@ pub(super) const KNOWN: [(&str, Support); 31] = {
     ]
 };
 
-/// What becomes of the extension of this name, if it is known.
+/// Treatment of the extension of this name, if it is known.
 pub(super) fn support(name: &str) -> Option<Support> {
     KNOWN
         .iter()
@@ -146,7 +146,7 @@ pub(super) fn check(model: &mut Model<'_>) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Whether an extension that is named stands anywhere that matters. Exporters name some for no reason.
+/// True if a named extension is used by a part of the file. Exporters name some for no reason.
 fn in_use(document: &Document, name: &str) -> bool {
     let material = |has: fn(&super::json::MaterialExtensions) -> bool| {
         document.materials.iter().any(|m| has(&m.extensions))

@@ -26,7 +26,7 @@ pub(super) struct Geometry {
     pub(super) in_world: bool,
 }
 
-/// What a node does to the meshes that it places.
+/// Deformation of a node's meshes: weights of morph targets and a skin.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Shape {
     /// Weights of the morph targets.
@@ -35,7 +35,7 @@ pub(super) struct Shape {
     pub(super) joints: Option<Vec<DMat4>>,
 }
 
-/// How the coordinates and normals of a primitive are read.
+/// Selection of the coordinates and normals of a primitive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reads {
     pub(super) sets: Sets,
@@ -253,7 +253,7 @@ fn bend(
         let turned = cofactors * wide(*normal) * sign;
         *normal = turned.normalize_or_zero().as_vec3().to_array();
     }
-    // Tangents are compared with what the renderer makes of the file's pose.
+    // Tangents are compared with those that the renderer computes for the file's pose.
     geometry.tangents.clear();
     geometry.in_world = true;
     if let Some(i) = geometry

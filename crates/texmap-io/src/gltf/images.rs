@@ -54,7 +54,7 @@ impl Uses {
     }
 }
 
-/// Where the bytes of a picture are.
+/// Source of the bytes of a picture.
 enum Bytes {
     View(usize),
     Own(Vec<u8>),
@@ -150,7 +150,7 @@ fn decode(model: &Model<'_>, image: usize, bytes: &Bytes) -> Result<Option<Rgba>
         .map_err(|error| model.within(&pointer, error))
 }
 
-/// Notes what was found of a picture; `None` where a checker stands in for it.
+/// Notes the result of reading a picture; `None` where a checker replaces it.
 fn keep(
     model: &mut Model<'_>,
     image: usize,

@@ -10,7 +10,7 @@ use super::model::Model;
 use super::nodes::Tree;
 use crate::{IoError, shortened};
 
-/// Light from everywhere beside the lights of a file, which alone would leave what they do not reach black.
+/// Ambient light beside the lights of a file, so that surfaces which they do not reach are not black.
 const AMBIENT: f32 = 0.1;
 
 /// The lights of the nodes that are drawn, in their order, with the names of their nodes.
@@ -51,7 +51,7 @@ fn light(
         cone,
     };
     let light = match stated.kind.as_str() {
-        // Lux fall on a white surface, which gives back a share of 1 / pi in every direction.
+        // A white surface returns 1 / pi of its illuminance (lux) in every direction.
         "directional" => Light::Directional {
             color: scaled(1.0 / core::f64::consts::PI),
             direction,

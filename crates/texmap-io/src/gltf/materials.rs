@@ -78,7 +78,7 @@ impl Reader<'_, '_> {
         )
     }
 
-    /// A factor as a share; beyond 0 to 1 with a warning.
+    /// A factor clamped to 0 to 1, with a warning if it is beyond.
     pub(super) fn unit(&mut self, value: f64, key: &str) -> f32 {
         if !(0.0..=1.0).contains(&value) {
             self.model.warn(format!(
@@ -153,7 +153,7 @@ fn material(
         "" => format!("material {index}"),
         name => shortened(name).to_string(),
     };
-    // Nothing reaches a cutoff above 1; what is opaque whatever alpha says needs no test.
+    // Nothing reaches a cutoff above 1; a material that ignores alpha needs no test.
     let hidden = cutoff > 1.0;
     if hidden {
         reader.model.warn(format!(
@@ -242,7 +242,7 @@ fn infos(stated: &json::Material) -> Vec<&TextureInfo> {
     first.chain(rest.flatten()).collect()
 }
 
-/// What alpha does, and the stated cutoff.
+/// The alpha mode and the stated cutoff.
 fn alpha(reader: &Reader<'_, '_>, stated: &json::Material) -> Result<(AlphaMode, f64), IoError> {
     let cutoff = stated.alpha_cutoff.unwrap_or(0.5);
     Ok(match stated.alpha_mode.as_deref() {

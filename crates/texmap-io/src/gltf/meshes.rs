@@ -51,7 +51,7 @@ pub(super) fn meshes(
 struct Reader {
     /// Index of the default material, if primitives need one.
     default: Option<usize>,
-    /// What is not drawn as the file says: how often, and the first place.
+    /// Parts that are not drawn as the file says, by their warning: their number and the first position.
     told: HashMap<&'static str, (usize, String)>,
     meshes: Vec<Mesh>,
 }
@@ -224,7 +224,7 @@ impl Reader {
         }
     }
 
-    /// Adds a mesh at a place in the world.
+    /// Adds a mesh under a transform to the world.
     fn place(&mut self, geometry: Geometry, name: &str, material: usize, world: DMat4, at: &str) {
         let size = world.determinant();
         if size == 0.0 || !size.is_finite() || !world.is_finite() {

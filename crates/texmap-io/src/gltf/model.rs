@@ -10,12 +10,12 @@ use crate::files::MAX_TEXT;
 use crate::info::NamedFile;
 use crate::{FileSource, IoError};
 
-/// A document with the bytes that it speaks of.
+/// A document with the bytes of its buffers.
 #[derive(Debug)]
 pub(super) struct Model<'a> {
     pub(super) path: &'a Path,
     pub(super) document: Document,
-    /// Confined to the folder of the file.
+    /// Source of files, confined to the folder of the model.
     pub(super) files: FileSource,
     /// The whole file.
     bytes: Vec<u8>,
@@ -78,7 +78,7 @@ impl<'a> Model<'a> {
                 }
             }
             (None, Some(range)) => Buffer::Binary(range),
-            // The fallback of compressed data; who reads it is refused.
+            // The fallback of compressed data; views that read the fallback are refused.
             (None, None) => Buffer::Own(Vec::new()),
         };
         let found = match &buffer {
@@ -230,7 +230,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// An error of a file that the document names. A refusal of the memory budget stays what it is.
+    /// An error of a file that the document names. A refusal of the memory budget is passed on.
     pub(super) fn within(&self, pointer: &str, error: IoError) -> IoError {
         match error {
             error @ IoError::Memory { .. } => error,
@@ -242,7 +242,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// A place as messages begin with it.
+    /// The path of the file and a JSON pointer, as messages begin with them.
     pub(super) fn place(&self, pointer: &str) -> String {
         format!("{}: {}", crate::shown(self.path), shortened(pointer))
     }

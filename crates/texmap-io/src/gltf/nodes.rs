@@ -1,4 +1,4 @@
-//! The tree of nodes: where each stands in the world.
+//! The tree of nodes and their transforms to the world.
 
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 
@@ -80,7 +80,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Places the nodes. `local` has their matrices.
+    /// Computes the world transforms of the nodes. `local` has their own matrices.
     pub(super) fn new(model: &Model<'_>, local: &[DMat4]) -> Result<Self, IoError> {
         let nodes = &model.document.nodes;
         let mut has_parent = vec![false; nodes.len()];

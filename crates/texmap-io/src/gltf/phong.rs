@@ -1,4 +1,4 @@
-//! Phong's model in place of metallic-roughness: for renderings that know the older model only.
+//! Phong's model instead of metallic-roughness, for renderings that know the older model only.
 
 use texmap_light::PhongMaterial;
 use texmap_sample::Texture2d;
@@ -34,7 +34,7 @@ fn mean(texture: &Texture2d<'_>) -> [f32; 3] {
     [r, g, b]
 }
 
-/// Refines the numbers of Phong's model once the textures are there.
+/// Refines the numbers of Phong's model by the loaded textures.
 pub(super) fn refine(materials: &mut [Material], textures: &[Texture2d<'static>]) {
     for material in materials {
         let Some(model) = &material.metallic_roughness else {

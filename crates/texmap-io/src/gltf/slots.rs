@@ -1,4 +1,4 @@
-//! References to textures: which picture, which coordinates, how it is read.
+//! References to textures: their pictures, coordinates and samplers.
 
 use texmap_sample::{Filter, Mip, Sampler, TexelFilter, UvTransform, Wrap};
 use texmap_scene::{TextureSlot, UvSet};
@@ -106,7 +106,7 @@ pub(super) fn slot(
     }))
 }
 
-/// The sampler of a document: repeating and trilinear where it says nothing.
+/// The sampler of a document; repeating and trilinear by default.
 fn sampler(model: &Model<'_>, stated: &json::Sampler, at: &str) -> Result<Sampler, IoError> {
     let wrap = |code: Option<u32>, key: &str| match code {
         None | Some(10497) => Ok(Wrap::Repeat),

@@ -8,8 +8,8 @@ use super::geometry::Geometry;
 /// Largest angle (its cosine: 30 degrees) to which a tangent is that of its triangle.
 const COS: f64 = 0.866;
 
-/// Whether more than a twentieth of the corners have another tangent than their triangle's coordinates say: a normal map that was baked
-/// for them looks different with computed ones. False without tangents.
+/// True if more than a twentieth of the tangents differ from those of their triangles' coordinates. A normal map that was baked for
+/// the file's tangents looks different with computed ones. False without tangents.
 pub(super) fn differ(geometry: &Geometry, set: UvSet) -> bool {
     let uvs = match set {
         UvSet::First => &geometry.uvs,

@@ -4,7 +4,7 @@ use super::json::Primitive;
 use super::model::Model;
 use crate::IoError;
 
-/// Whether a primitive consists of triangles: `None` for a mode that does not exist.
+/// True if a primitive consists of triangles; `None` for a mode that does not exist.
 pub(super) fn has_triangles(mode: u32) -> Option<bool> {
     match mode {
         0..=3 => Some(false),
@@ -13,7 +13,7 @@ pub(super) fn has_triangles(mode: u32) -> Option<bool> {
     }
 }
 
-/// The triangles of a primitive of `vertices` vertices. What a list has beyond whole triangles is left out.
+/// The triangles of a primitive of `vertices` vertices. Indices of a list beyond whole triangles are left out.
 pub(super) fn triangles(
     model: &Model<'_>,
     primitive: &Primitive,

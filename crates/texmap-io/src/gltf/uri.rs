@@ -6,7 +6,7 @@ use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 
 use crate::shortened;
 
-/// Where an address leads.
+/// Target of an address.
 #[derive(Debug, PartialEq)]
 pub(super) enum Target {
     /// The bytes that it holds.

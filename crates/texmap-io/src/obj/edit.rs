@@ -113,8 +113,8 @@ impl ObjText {
         self.edited(set, |_| None)
     }
 
-    /// The same for a file in another folder: `mtllib` names lead from there to the libraries of this one. Both folders exist; a name
-    /// that is absolute or cannot be found from there stays as it is.
+    /// [`with`](Self::with) for a file in another folder. `mtllib` names lead from there to the libraries of this file. Both folders
+    /// exist; a name that is absolute or cannot be found from there stays as it is.
     #[must_use]
     pub fn with_in(&self, set: &UvSet, file: &Path, folder: &Path) -> String {
         let here = folder_of(file).canonicalize();
@@ -138,12 +138,12 @@ impl ObjText {
         })
     }
 
-    /// `library`: what takes the place of the names in a `mtllib` line.
+    /// `library`: the replacement of the names in a `mtllib` line.
     fn edited(&self, set: &UvSet, library: impl Fn(&str) -> Option<String>) -> String {
         let first_face = self.spans.first_face.unwrap_or(0);
         let first_uv = self.spans.uvs.first();
         let at = first_uv.map_or(first_face, |span| span.start.min(first_face));
-        // The block is the first edit at its place: a stable sort keeps it before the line that it replaces.
+        // The block is the first edit at its position: a stable sort keeps it before the line that it replaces.
         let mut edits = vec![(Span { start: at, end: at }, Edit::Block)];
         edits.extend(self.spans.uvs.iter().map(|span| (*span, Edit::Remove)));
         let corners = self.spans.corners.iter().zip(&set.corners);

@@ -89,7 +89,7 @@ pub(crate) fn decode_maps(descriptions: &[Description], textures: &mut Textures)
     textures.decode_ahead(wanted);
 }
 
-/// What each of [`mtl::MAPS`] holds.
+/// Content of each of [`mtl::MAPS`].
 const CONTENTS: [Content; mtl::MAPS.len()] = [
     Content::Color,
     Content::Data,

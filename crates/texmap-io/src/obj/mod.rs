@@ -72,11 +72,11 @@ pub(crate) struct Material {
     pub(crate) ke: [f32; 3],
     pub(crate) map_ke: Option<Map>,
     pub(crate) relief: Option<(Map, ReliefKind)>,
-    /// Heights, and how far white moves over black in units of the model (`-bm`).
+    /// Heights, and the distance from black to white in units of the model (`-bm`).
     pub(crate) displacement: Option<(Map, f32)>,
 }
 
-/// What a relief map holds.
+/// Content of a map of normal detail.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum ReliefKind {
     /// Heights; white over black in units of the model (`-bm`).

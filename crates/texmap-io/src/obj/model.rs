@@ -1,4 +1,4 @@
-//! From the text of a model and its libraries to what a scene can be made of.
+//! From the text of a model and its libraries to the parts of a scene.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::files::is_called;
 use crate::models::Request;
 use crate::textures::Textures;
 
-/// Reads a model, its libraries and their maps, and says how many bytes its text has.
+/// Reads a model, its libraries and their maps; gives the number of bytes of its text.
 pub(crate) fn read(
     request: &Request<'_>,
     textures: &mut Textures,

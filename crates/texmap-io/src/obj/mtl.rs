@@ -58,7 +58,7 @@ impl Description {
         material
     }
 
-    /// Whether faces need coordinates.
+    /// True if faces need coordinates.
     pub(super) fn has_map(&self) -> bool {
         self.maps.iter().any(Option::is_some)
     }
@@ -84,7 +84,7 @@ pub(super) struct Map {
     pub(super) height: Option<f32>,
 }
 
-/// Reads a library; what cannot be used is reported in `warnings`.
+/// Reads a library; statements that cannot be used are reported in `warnings`.
 pub(super) fn read(
     path: &Path,
     named_by: &SourceLocation,

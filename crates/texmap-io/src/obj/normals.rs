@@ -64,7 +64,7 @@ impl<'a> Normals<'a> {
     }
 }
 
-/// Whether a finite vector is not zero.
+/// True if a finite vector is not zero.
 fn has_direction(v: [f32; 3]) -> bool {
     v != [0.0; 3]
 }
@@ -135,7 +135,7 @@ impl Smooth {
 }
 
 impl Obj {
-    /// The area normal of a face; `points` is room for its corners.
+    /// The area normal of a face; `points` is scratch for its corners.
     pub(super) fn area_normal(&self, corners: &[Corner], points: &mut Vec<DVec3>) -> DVec3 {
         points.clear();
         points.extend(corners.iter().map(|c| {

@@ -1,8 +1,8 @@
-//! MTL statements that are known and not drawn: each is reported once for its library, where it changes a picture at all.
+//! MTL statements that are known and not drawn. Each is reported once for its library if it changes a picture.
 
 use crate::SourceLocation;
 
-/// Statements and what is lost without them.
+/// Statements and their effects that are lost.
 const STATEMENTS: [(&str, &str); 21] = [
     ("Ka", "ambient light takes the colour of `Kd`"),
     ("Tf", "light is not coloured on its way through"),
@@ -33,7 +33,7 @@ const STATEMENTS: [(&str, &str); 21] = [
 /// Statements of one library that are not drawn.
 #[derive(Debug, Default)]
 pub(super) struct NotDrawn {
-    /// Word, what is lost, the first line and how many there are.
+    /// Word, lost effect, first line and number of statements.
     told: Vec<(String, &'static str, SourceLocation, u32)>,
     /// Of the material that is read.
     kd: Option<Vec<f32>>,
@@ -44,14 +44,14 @@ pub(super) struct NotDrawn {
 
 impl NotDrawn {
     pub(super) fn next_material(&mut self) {
-        // An ambient colour that is none, white or the diffuse one says what is drawn anyway.
+        // An ambient colour that is black, white or the diffuse one changes nothing.
         if let Some((location, ka)) = self.ka.take() {
             let neutral = ka.iter().all(|c| *c == 0.0) || ka.iter().all(|c| *c == 1.0);
             if !neutral && self.kd.as_ref() != Some(&ka) {
                 self.note(&location, "Ka");
             }
         }
-        // Nothing shines through what is opaque.
+        // Nothing shines through opaque surfaces.
         if let Some(location) = self.ni.take()
             && self.opacity.is_some_and(|d| d < 1.0)
         {

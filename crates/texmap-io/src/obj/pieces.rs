@@ -143,7 +143,7 @@ mod tests {
         format!("{plain:?} {spanned:?} {spans:?}")
     }
 
-    /// Whatever the size of the pieces, the model, the places in the text and the first fault are those of the whole.
+    /// The size of the pieces changes neither the model, the positions in the text nor the first fault.
     #[test]
     fn pieces_change_nothing() {
         let whole = debug(TEXT, usize::MAX / 2);

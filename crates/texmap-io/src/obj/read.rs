@@ -8,7 +8,7 @@ use std::path::Path;
 use super::source::{Source, Span};
 use crate::{IoError, SourceLocation};
 
-/// The index of what a corner lacks.
+/// The index of data that a corner lacks.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// The group of faces before the first `s` line: smooth, as most programs show them.
@@ -83,7 +83,7 @@ pub(super) struct Spans {
     pub(super) first_face: Option<u32>,
 }
 
-/// What the text above a piece holds: lines, and what indices and faces of the piece refer to.
+/// Counts of the text above a piece: lines, and the data that indices and faces of the piece refer to.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Above {
     pub(super) lines: u32,
@@ -95,7 +95,7 @@ pub(super) struct Above {
 }
 
 impl Above {
-    /// Counts what the statements of a piece hold, by their first words.
+    /// Counts the statements of a piece by their first words.
     pub(super) fn of(text: &str, piece: Range<usize>) -> Self {
         let mut source = Source::new(Path::new(""), text, piece.clone(), 0);
         let mut above = Self::default();
@@ -117,7 +117,7 @@ impl Above {
         above
     }
 
-    /// Of two pieces, one after the other.
+    /// The counts of two pieces, one after the other.
     pub(super) fn and(self, next: Self) -> Self {
         Self {
             lines: self.lines + next.lines,
@@ -349,7 +349,7 @@ impl<'a> Reader<'a> {
         Ok(Corner { vertex, uv, normal })
     }
 
-    /// An index that is not a plain number of those that exist, or why it is none.
+    /// An index that is not a plain number of those that exist, or its error.
     #[cold]
     fn index(&self, word: Span, part: Span, kind: usize, count: usize) -> Result<u32, IoError> {
         let text = self.source.of(part);

@@ -1,4 +1,4 @@
-//! The text of an OBJ file in statements and words, and errors that know their places.
+//! The text of an OBJ file in statements and words, and errors with their positions.
 
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;
@@ -81,7 +81,7 @@ impl<'a> Source<'a> {
     }
 
     /// Words of the line at `at`: blanks separate them; one that begins with `#` begins a comment. Gives the start of the next line, and
-    /// whether this one is joined to it.
+    /// true if this line is joined to the next.
     fn read_line(&self, mut at: usize, words: &mut Vec<Span>, most: usize) -> (usize, bool) {
         let bytes = &self.text.as_bytes()[..self.end];
         let known = words.len();

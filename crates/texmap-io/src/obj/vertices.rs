@@ -29,7 +29,7 @@ pub(super) struct Vertices {
     last: Vec<u32>,
     /// Start of the part.
     first: usize,
-    /// Those of the part that are in no chain, by what makes them equal.
+    /// Vertices of the part that are in no chain, by the bits that make them equal.
     rest: BTreeMap<[u32; 7], u32>,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Vertices {
 const LONGEST: usize = 16;
 
 impl Vertices {
-    /// For a file of so many vertices.
+    /// Empty chains for a file of this number of vertices.
     pub(super) fn new(count: usize) -> Self {
         Self {
             all: Vec::with_capacity(count),
@@ -59,7 +59,7 @@ impl Vertices {
         &self.all[self.first..]
     }
 
-    /// The index of a vertex in the part, and whether it is new.
+    /// The index of a vertex in the part, and true if it is new.
     pub(super) fn find(&mut self, vertex: Vertex, obj: &Obj, normals: &Normals<'_>) -> (u32, bool) {
         let end = self.last[vertex.of as usize];
         let (mut at, mut length) = (end, 0);
@@ -89,12 +89,12 @@ impl Vertices {
     }
 }
 
-/// Whether two vertices of one vertex of the file have the same values under other numbers.
+/// True if two vertices of one vertex of the file have the same values under other numbers.
 fn same(a: Vertex, b: Vertex, obj: &Obj, normals: &Normals<'_>) -> bool {
     a.face == b.face && key(a, obj, normals) == key(b, obj, normals)
 }
 
-/// Bits of what makes vertices differ.
+/// Bits of the values in which vertices differ.
 fn key(vertex: Vertex, obj: &Obj, normals: &Normals<'_>) -> [u32; 7] {
     let [u, v] = obj.uv(vertex.uv).map(f32::to_bits);
     let [x, y, z] = normals.get(vertex.normal).map(f32::to_bits);
@@ -112,7 +112,7 @@ impl Obj {
 mod tests {
     use super::super::model::read_text;
 
-    /// Coordinates of equal value are one, whatever their numbers, in a chain and beyond it; others are apart.
+    /// Coordinates of equal value are one vertex under any numbers, in a chain and beyond it. Others are different vertices.
     #[test]
     fn vertices_are_told_apart_by_values() {
         let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");

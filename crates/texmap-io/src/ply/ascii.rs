@@ -7,7 +7,7 @@ use memchr::memchr_iter;
 use super::header::Header;
 use crate::{IoError, SourceLocation, shortened};
 
-/// A body of bytes, and for each element where in the text its records begin.
+/// A body of bytes, and the positions in the text of each element's records.
 #[derive(Debug)]
 pub(super) struct Body {
     pub(super) bytes: Vec<u8>,
@@ -26,7 +26,7 @@ pub(super) fn body(path: &Path, text: &[u8], header: &Header) -> Result<Body, Io
     };
     for element in &header.elements {
         let mut places = Vec::new();
-        // Records without a property take no room.
+        // Records without a property take no memory.
         let count = match element.properties.is_empty() {
             true => 0,
             false => element.count,

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::values::Kind;
 use crate::{IoError, SourceLocation};
 
-/// How the body is written.
+/// Encoding of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -19,7 +19,7 @@ pub(super) enum Encoding {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Element {
     pub(super) name: String,
-    /// How many records there are.
+    /// Number of records.
     pub(super) count: usize,
     pub(super) properties: Vec<Property>,
 }
@@ -127,7 +127,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Header, IoError> {
     Err(broken(1, 1, "the head does not end".into()))
 }
 
-/// A column, and what is wrong there.
+/// A column, and the description of the fault there.
 type Fault = (usize, String);
 
 /// The words of a line with their columns.

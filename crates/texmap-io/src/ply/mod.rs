@@ -17,7 +17,7 @@ use crate::obj::{self, Description, Group, Model, Part};
 use crate::textures::Textures;
 use crate::{IoError, SourceLocation, shortened, shown};
 
-/// Reads a model and the textures that its comments name, and says how many bytes it has.
+/// Reads a model and the textures that its comments name; gives the number of its bytes.
 pub(crate) fn read(
     request: &Request<'_>,
     textures: &mut Textures,
@@ -179,7 +179,7 @@ fn refuse_points(request: &Request<'_>, header: &Header) -> Result<(), IoError> 
     })
 }
 
-/// Warnings of elements and properties that a picture would show and this one does not.
+/// Warnings of elements and properties that would change a picture and are not drawn.
 fn left_out(path: &Path, header: &Header) -> Vec<String> {
     let mut warnings = Vec::new();
     for element in header.elements.iter().filter(|element| element.count > 0) {

@@ -1,4 +1,4 @@
-//! Where the records of an element lie in a body of bytes.
+//! Positions of the records of an element in a body of bytes.
 
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ enum Starts {
     Each(Vec<u32>),
 }
 
-/// The number of a record that is wrong, the byte where it begins, and how it is wrong.
+/// The number of a faulty record, the byte where it begins, and the description of the fault.
 pub(super) type Fault = (usize, usize, &'static str);
 
 const SHORT: &str = "is cut off: the file ends within it";
@@ -82,7 +82,7 @@ impl<'a> Records<'a> {
         Ok(at)
     }
 
-    /// The byte of the first value of a property that begins at a byte, and how many there are.
+    /// The byte of the first value of a property that begins at a byte, and the number of its values.
     #[inline]
     fn values(&self, at: usize, property: &Property) -> Result<(usize, u32), &'static str> {
         let Some(list) = property.list else {
@@ -99,7 +99,7 @@ impl<'a> Records<'a> {
         }
     }
 
-    /// Whether each record has as many values in its lists as the first one.
+    /// True if each record has as many values in its lists as the first one.
     fn are_alike(&self) -> bool {
         let mut at = self.start(0);
         self.element.properties.iter().all(|property| {
@@ -153,7 +153,7 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// The value in a record of what is no list.
+    /// The value in a record of a property that is no list.
     #[inline]
     pub(super) fn value(&self, record: usize) -> f64 {
         let bytes = &self.records.body[self.at(record)..];

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::records::{Field, Records};
 use crate::obj::{Corner, Face, NONE, Obj};
 
-/// What is wrong with a record.
+/// A fault of a record.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) record: usize,
@@ -308,7 +308,7 @@ impl Polygons {
     }
 }
 
-/// An index; what is none is larger than any.
+/// An index; values that are none become one larger than any.
 fn whole(value: f64) -> u32 {
     match value >= 0.0 {
         true => value as u32,

@@ -1,4 +1,4 @@
-//! Settings of what surfaces do with light, beyond their colours.
+//! Settings of the light of surfaces beyond their colours.
 
 use std::path::PathBuf;
 
@@ -42,7 +42,7 @@ pub(super) enum ReliefSetting {
     NormalMap(usize, NormalMapSetting),
 }
 
-/// How the colours of a normal map are read.
+/// Interpretation of the colours of a normal map.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NormalMapSetting {
     object_space: bool,
@@ -96,7 +96,7 @@ impl Coordinates {
 }
 
 impl EffectSettings {
-    /// Whether some effect reads the coordinates of textures.
+    /// True if some effect reads the coordinates of textures.
     pub(super) fn reads_uv(&self) -> bool {
         !self
             .out_of_reach(Coordinates {
@@ -106,7 +106,7 @@ impl EffectSettings {
             .is_empty()
     }
 
-    /// The effects that do not reach faces with these coordinates, and why.
+    /// The effects that do not reach faces with these coordinates, and the reasons.
     pub(super) fn out_of_reach(
         &self,
         coordinates: Coordinates,
@@ -127,7 +127,7 @@ impl EffectSettings {
         out
     }
 
-    /// A material under these effects, for faces with these coordinates; what it brings itself stays.
+    /// A material under these effects, for faces with these coordinates; effects of its own stay.
     pub(super) fn apply(
         &self,
         settings: &Settings,
@@ -181,7 +181,7 @@ impl EffectSettings {
     }
 }
 
-/// Which way green points.
+/// The direction of the green channel.
 pub(super) fn green(word: Option<&str>) -> NormalMapGreen {
     match word {
         Some("down") => NormalMapGreen::Down,
@@ -190,7 +190,7 @@ pub(super) fn green(word: Option<&str>) -> NormalMapGreen {
 }
 
 impl Builder {
-    /// The relief of a line, or none; every `none` ends any relief.
+    /// The normal detail of a line, or none; every `none` ends any normal detail.
     pub(super) fn set_relief(
         &mut self,
         line: &mut Line<'_>,

@@ -165,7 +165,8 @@ impl Facets {
         }
     }
 
-    /// How a frame misses the plane of a face, if it does: then its picture slides over the face as the eye moves.
+    /// The angle or distance of a frame from the plane of a face, in words, if it is not 0. Such a picture moves over the face with the
+    /// eye.
     pub(super) fn out_of_plane(
         &self,
         corners: &[(u32, [f32; 2])],

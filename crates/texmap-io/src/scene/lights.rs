@@ -62,8 +62,8 @@ pub(super) fn shadow(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError
 /// `projector`.
 pub(super) fn projector(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError> {
     let texture = b.load(line, Content::Color)?;
-    let slide = &b.textures.textures[texture];
-    let aspect = f64::from(slide.width()) / f64::from(slide.height());
+    let picture = &b.textures.textures[texture];
+    let aspect = f64::from(picture.width()) / f64::from(picture.height());
     let paint = line.takes("paint") || !line.takes("light");
     let [position, look, up] = [line.numbers(), line.numbers(), line.numbers()].map(DVec3::from);
     let fov = line.number().to_radians();
@@ -78,7 +78,7 @@ pub(super) fn projector(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoEr
     let slot = b
         .settings
         .slot(texture, UvTransform::default(), true, ColorMode::Raw);
-    let mut slide = ProjectorLight {
+    let mut light = ProjectorLight {
         projector,
         position,
         texture,
@@ -91,18 +91,18 @@ pub(super) fn projector(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoEr
     let mut color = [1.0; 3];
     while let Some(word) = line.word() {
         match word {
-            "black" => slide.border = ProjectorBorder::Black,
-            "clamp" => slide.border = ProjectorBorder::Clamp,
-            "repeat" => slide.border = ProjectorBorder::Repeat,
-            "soft" => slide.softness = line.float(),
+            "black" => light.border = ProjectorBorder::Black,
+            "clamp" => light.border = ProjectorBorder::Clamp,
+            "repeat" => light.border = ProjectorBorder::Repeat,
+            "soft" => light.softness = line.float(),
             "color" => color = line.floats(),
-            _ => slide.shadow = Some(line.whole()),
+            _ => light.shadow = Some(line.whole()),
         }
     }
     if !paint {
-        slide.mode = ProjectorMode::Light(color);
+        light.mode = ProjectorMode::Light(color);
     }
-    b.scene.effects.projectors.push(slide);
+    b.scene.effects.projectors.push(light);
     Ok(())
 }
 

@@ -130,7 +130,7 @@ pub(super) fn decal(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError>
     Ok(())
 }
 
-/// The unit cube, its middle or its corner at a place.
+/// The unit cube, its middle or its corner at a position.
 pub(super) fn placed(at: [f64; 3], size: [f64; 3], centred: bool) -> DMat4 {
     let (at, size) = (DVec3::from(at), DVec3::from(size));
     let corner = if centred { at - 0.5 * size } else { at };

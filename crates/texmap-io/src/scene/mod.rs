@@ -36,19 +36,19 @@ pub use table::{SECTIONS, Section, Spec, commands};
 pub(crate) use table::{command, nearest};
 pub(crate) use tree::Tree;
 
-/// What the files do not say.
+/// Options of loading that are not in the files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadOptions {
-    /// What a missing map or material library is, whatever a scene says; `None`: an error unless a `missing` line says otherwise.
+    /// Treatment of missing maps and material libraries, whatever a scene says. `None`: an error unless a `missing` line says otherwise.
     pub missing: Option<Missing>,
     /// Width / height of the picture that an automatic camera has to fill.
     pub aspect: f64,
     /// The camera of a model that brings none.
     pub framing: Framing,
-    /// Whether colours are converted, instead of what the scene says (a model: that they are).
+    /// Conversion of colours, instead of that of the scene (models: [`ColorMode::Srgb`]).
     pub color: Option<ColorMode>,
-    /// Where all files are read from, the one that is loaded too. From [`FileSource::anywhere`] a glTF model reads nothing outside of
-    /// its own folder.
+    /// Source of all files, also of the one that is loaded. From [`FileSource::anywhere`] a glTF model reads nothing outside of its own
+    /// folder.
     pub files: FileSource,
     /// The camera of a glTF model that is taken, by its name or its number from 0; `None`: one that shows the whole model.
     pub camera: Option<String>,
@@ -138,7 +138,7 @@ pub(crate) fn format(path: &Path, files: &FileSource) -> Result<&'static Format,
 /// Reads a `.scene` file, or a model: `.obj`, `.gltf`, `.glb`, `.ply` or `.stl`.
 ///
 /// # Errors
-/// Whatever is wrong with it or with a file it names, see [`IoError`]; [`IoError::UnknownFormat`] for other names.
+/// Any fault of the file or of a file that it names, see [`IoError`]; [`IoError::UnknownFormat`] for other names.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     let format = format(path, &options.files)?;
     if format.kind != "gltf" {
@@ -164,7 +164,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, IoError> {
     drawable(scene, path)
 }
 
-/// Reads one file from memory, called `name`: its ending says what it is. Files that it names are not there; see
+/// Reads one file from memory, called `name`, whose ending tells its kind. Files that it names are not there; see
 /// [`FileSource::in_memory`] for models of several files.
 ///
 /// # Errors
@@ -202,7 +202,7 @@ fn drawable(scene: Scene, path: &Path) -> Result<Scene, IoError> {
 }
 
 /// Reads a model by itself, an OBJ where its ending does not say glTF, PLY or STL: the camera is that of [`LoadOptions::framing`], the light
-/// is [`auto_lights`] unless it brings lights; faces without a material are light grey. `docs/GLTF.md` says what is read of a glTF.
+/// is [`auto_lights`] unless it brings lights; faces without a material are light grey. `docs/GLTF.md` lists the parts of a glTF that are read.
 ///
 /// # Errors
 /// The first fault, see [`IoError`]. [`IoError::EmptyMesh`] where nothing would be drawn.

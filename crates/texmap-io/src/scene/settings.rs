@@ -1,4 +1,4 @@
-//! The current settings: what lines like `surf`, `filter` or `translate` say about the faces after them.
+//! The current settings of later faces, from lines like `surf`, `filter` or `translate`.
 
 use texmap_light::PhongMaterial;
 use texmap_math::color::srgb_to_linear;
@@ -92,7 +92,7 @@ const COURSE: PhongMaterial = PhongMaterial {
     ns: 5.0,
 };
 
-/// What a texel multiplies where no `surf` line says otherwise: white, without a highlight.
+/// The surface that texels multiply without a `surf` line: white, without a highlight.
 pub(super) const WHITE: PhongMaterial = PhongMaterial {
     color: [1.0; 3],
     ka: 1.0,
@@ -179,7 +179,7 @@ impl Settings {
         }
     }
 
-    /// What the `displace` line does to what has coordinates.
+    /// The displacement of the `displace` line, for meshes with coordinates.
     pub(super) fn displacement(&self, color: ColorMode) -> Option<Displacement> {
         let setting = self.displace.as_ref()?;
         let slot = self.slot(setting.texture, UvTransform::default(), false, color);

@@ -34,7 +34,7 @@ impl DisplaceSetting {
     }
 }
 
-/// The bones of a scene, how each is turned, and the meshes that follow them.
+/// The bones of a scene, their rotations, and the meshes that follow them.
 #[derive(Debug, Default)]
 pub(super) struct Bones {
     skeleton: Skeleton,

@@ -17,7 +17,7 @@ pub(crate) struct Tree {
 }
 
 /// Two `include` lines in each of n files make 2^n files of them, and a hundred lines may name one long file a hundred times;
-/// here is the end of that. The file that is loaded itself does not count.
+/// this limit ends that. The file that is loaded itself does not count.
 const MAX_FILES: u32 = 4096;
 const MAX_DEPTH: usize = 32;
 const MAX_BYTES: usize = 1 << 28;
@@ -25,7 +25,7 @@ const MAX_LINES: usize = 1 << 22;
 const ALLOWED: &str =
     "files within files up to 32 deep; 4096 of them, 256 MiB and 4 million lines in all";
 
-/// What was read so far.
+/// State of reading: the files that are open, and totals of the files that were read.
 #[derive(Debug, Default)]
 struct Progress {
     /// The canonical names of the files that are being read.
@@ -36,7 +36,7 @@ struct Progress {
 }
 
 impl Progress {
-    /// Counts an included file; whether it still may be read.
+    /// Counts an included file; true if it may still be read.
     fn allows(&mut self, text: &str) -> bool {
         self.files += 1;
         self.bytes += text.len();

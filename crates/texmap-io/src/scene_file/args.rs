@@ -25,7 +25,7 @@ pub(super) struct Args<'a> {
     tokens: Vec<(u32, Token<'a>)>,
     /// Vertices above it.
     vertices: usize,
-    /// What was read of it.
+    /// The values that were read.
     values: Vec<Value>,
 }
 
@@ -347,7 +347,7 @@ impl<'a> Args<'a> {
     }
 }
 
-/// The words that may begin a list of arguments; none if it may begin otherwise.
+/// The words that may begin a list of arguments; none if other values may begin it.
 fn leading(args: &[Arg]) -> &'static [&'static str] {
     match args.first() {
         Some(Arg::OneOf(words)) => words,

@@ -1,4 +1,4 @@
-//! The arguments of commands: which there are, what they may be, and how messages and the manual write them.
+//! The arguments of commands: kinds, allowed values, and notation in messages and the manual.
 
 use Arg::{
     Corners, Either, File, Frame, Method, Name, Numbers, OneOf, Optional, Options, Text,
@@ -16,13 +16,13 @@ pub(crate) enum Arg {
     Frame,
     /// One of these words.
     OneOf(&'static [&'static str]),
-    /// A word that another crate reads: its name, what it may be, and whether it is.
+    /// A word that another crate reads: its name, its allowed values, and the check of one.
     Method(&'static str, fn() -> String, fn(&str) -> bool),
-    /// A name, and whether it may be one.
+    /// A name, and the check of one.
     Name(fn(&str) -> Option<&'static str>),
     /// The name of a file.
     File,
-    /// Words, in quotes if there are several, and whether they may be written.
+    /// Words, in quotes if there are several, and the check of them.
     Text(fn(&str) -> Option<&'static str>),
     /// Indices of at least three vertices.
     Corners,
@@ -118,7 +118,7 @@ impl Arg {
             }
             Frame => (9, 9),
             OneOf(_) | Method(..) | Name(_) | File | Text(_) => (1, 1),
-            // The readers of faces count for themselves.
+            // The readers of faces count their own values.
             Corners | TexturedCorners => (0, usize::MAX),
             Optional(args) => (0, range(args).1),
             Options(_) => (0, usize::MAX),

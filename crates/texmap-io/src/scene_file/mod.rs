@@ -28,7 +28,7 @@ pub(crate) use value::Line;
 /// The statements of one file in their order.
 #[derive(Debug, Clone, Default)]
 pub struct SceneFile {
-    /// Commands and where they stand.
+    /// Commands and their positions.
     pub statements: Vec<Statement>,
 }
 
@@ -94,7 +94,7 @@ impl Missing {
         ("grey", Self::Grey),
     ];
 
-    /// Something stands in for what is missing.
+    /// True if a substitute replaces missing files.
     #[must_use]
     pub fn is_lenient(self) -> bool {
         self != Self::Error

@@ -42,7 +42,7 @@ pub fn parse(file: &Path, text: &str) -> Result<SceneFile, IoError> {
         if let Some(complete) = args.take() {
             parser.statement(complete)?;
         }
-        // A file that does not begin like a scene may be anything: nothing of it is quoted.
+        // A file that does not begin like a scene may be anything: no word of the file is quoted.
         let foreign = parser.scene.statements.is_empty();
         let spec = spec(file, line, first).map_err(|error| match foreign {
             true => error.without_words(),

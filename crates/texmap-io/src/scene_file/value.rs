@@ -100,7 +100,7 @@ fn exponent(magnitude: f64) -> bool {
     magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude)
 }
 
-/// The values of a command one after the other, as its row's arguments have them, and where it stands.
+/// The values of a command one after the other, in the order of its row's arguments, and its position.
 #[derive(Debug, Clone)]
 pub(crate) struct Line<'a> {
     pub(crate) command: &'static str,

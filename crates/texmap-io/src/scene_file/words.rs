@@ -6,13 +6,13 @@
 use texmap_raster::Interp;
 use texmap_sample::{Cubic, Filter, Wrap};
 
-/// What [`filter`] may say.
+/// Allowed words of `filter`.
 pub const FILTERS: &str = "nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:0.25..2]";
-/// What [`wrap`] may say.
+/// Allowed words of `wrap`.
 pub const WRAPS: &str =
     "repeat, mirrored-repeat, clamp-to-edge, clamp-to-border, mirror-clamp-to-edge";
-/// What [`parse_interp`] reads.
+/// Allowed words of [`parse_interp`].
 pub const INTERPS: &str = "perspective, affine, subdivided:N, span:N, within:TOLERANCE";
 
 /// `None` for filters that the language has no word for (OpenGL's free combinations).

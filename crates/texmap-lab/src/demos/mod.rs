@@ -77,7 +77,7 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     ),
     (
         "gouraud-tjoint",
-        "the seam of Gouraud colours at a T-joint",
+        "the seam of Gouraud colours at a T-junction",
         gouraud::tjoint,
     ),
     (
@@ -107,7 +107,7 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     ),
     (
         "slides",
-        "a slide projector as light and as paint, with and without its depth map",
+        "a projected picture as light and as paint, with and without its shadow map",
         shadows::slides,
     ),
     (
@@ -117,17 +117,17 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     ),
     (
         "environments",
-        "which one is ray-traced? environment maps against mirror rays; clamped cube faces",
+        "environment maps against ray-traced reflections; clamped cube faces",
         environments::environments,
     ),
     (
         "bumps",
-        "bump, offset and normal maps against the surface they stand for; green flipped; carved waves, words",
+        "bump, offset and normal maps against the surface they stand for; green flipped; procedural waves, words",
         bump_maps::bumps,
     ),
     (
         "light-maps",
-        "baked light against light per pixel; charts without gutters; a moving spotlight (--frames N)",
+        "baked light against light per pixel; islands without gutters; a moving spotlight (--frames N)",
         bump_maps::light_maps,
     ),
     (
@@ -157,7 +157,7 @@ const DEMOS: [(&str, &str, Draw); 23] = [
     ),
     (
         "solids",
-        "marble, wood and noise carved out of space, against pictures wrapped around",
+        "marble, wood and noise as solid textures, against pictures wrapped around",
         space::solids,
     ),
     (

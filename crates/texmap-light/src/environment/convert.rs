@@ -1,4 +1,4 @@
-//! An environment in another chart: means of the old light over the area of each new texel.
+//! An environment in another layout: means of the old light over the area of each new texel.
 
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
@@ -10,8 +10,8 @@ use crate::error::LightError;
 use crate::vector::narrow;
 
 impl Environment {
-    /// The same light in another chart, `size` the height of its faces. Each new texel is the mean over its area of the
-    /// old light: at least one look-up per old texel that it covers.
+    /// The environment in another layout, with faces of `size` texels in height. Each new texel is the mean of the old light over its
+    /// area, by at least one look-up per old texel that it covers.
     ///
     /// # Errors
     /// As [`Environment::from_fn`].
@@ -22,7 +22,7 @@ impl Environment {
         let (width, height) = self.size();
         let ratio = count(self.layout, width, height)
             / count(chart, size.max(1) * chart.aspect(), size.max(1));
-        // Solid angles within a chart differ by up to 5.2, and lat-long's poles by more: two look-ups a texel and axis.
+        // Solid angles within a layout differ by up to 5.2, and lat-long's poles by more. Two look-ups a texel and axis.
         let n = (2.0 * sqrt(ratio)) as u32 + 1;
         let n = if ratio <= 0.25 { 1 } else { n.min(64) };
         Self::from_directions(chart, size, |face, centre, sides| {

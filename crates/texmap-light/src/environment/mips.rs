@@ -1,4 +1,4 @@
-//! Mip levels of an environment: smaller and smaller faces for look-ups that know their footprint.
+//! Mip levels of an environment, for look-ups that know their footprint.
 
 use alloc::vec::Vec;
 
@@ -7,11 +7,11 @@ use super::level::{Level, LevelTable, bordered};
 use crate::packed;
 
 impl Environment {
-    /// With smaller and smaller levels down to a height of 1, each texel the mean of four above it, for look-ups that know their
-    /// footprint ([`radiance_filtered`](Self::radiance_filtered)).
+    /// The environment with mip levels down to a height of 1. Each texel is the mean of four of the level before. Look-ups that know
+    /// their footprint ([`radiance_filtered`](Self::radiance_filtered)) read the levels.
     ///
-    /// Where all texels are whole multiples of 1/1020 from 0 to 1, as raw 8-bit values are, those look-ups read them in a packed
-    /// form with that step: the smaller levels, and the borders, are off by up to 1/2040.
+    /// If all texels are whole multiples of 1/1020 from 0 to 1, as raw 8-bit values are, the look-ups read a packed form with that
+    /// step: the smaller levels, and the borders, are off by up to 1/2040.
     #[must_use]
     pub fn with_mips(mut self) -> Self {
         self.levels.truncate(1);

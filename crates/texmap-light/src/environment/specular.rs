@@ -18,7 +18,7 @@ use crate::vector::{dot, narrow, splat};
 impl Environment {
     /// A specular map: the light that a highlight of this exponent gathers around each direction R, the mean of L(d) with
     /// weight `max(0, R.d)^exponent` over all texels by their solid angle (MIT 6.837, lecture 18, slide 30: area
-    /// lights in an environment map in place of the highlight's formula). Directions whose weight is below a millionth are
+    /// lights in an environment map instead of the highlight's formula). Directions whose weight is below a millionth are
     /// left out by patches of texels. The work is texels of the result times texels of this map inside of the lobe:
     /// [`convert`](Self::convert) to a small one first.
     ///
@@ -106,7 +106,7 @@ struct Sixteen {
 
 /// Neighbouring texels inside of a cone.
 struct Patch {
-    /// Among all.
+    /// Range of the patch's texels among all.
     texels: Range<usize>,
     axis: DVec3,
     /// Cosine of the angle from the axis beyond which no direction's lobe reaches a texel.

@@ -1,4 +1,5 @@
-//! Places of directions in a chart, in f32. [`EnvironmentLayout::locate`] is the reference in f64; coordinates are off by less than 4e-7.
+//! Faces and coordinates of directions in a layout, in f32. [`EnvironmentLayout::locate`] is the reference in f64; coordinates are off by
+//! less than 4e-7.
 
 use core::f32::consts::{FRAC_1_PI, FRAC_2_PI};
 
@@ -74,7 +75,7 @@ impl EnvironmentLayout {
     }
 }
 
-/// From -1..=1, y up, to 0..=1, v down.
+/// Face coordinates 0..=1, v down, from -1..=1, y up.
 #[inline(always)]
 fn unit<I: Isa>(i: I, [x, y]: [I::F32; 2]) -> [I::F32; 2] {
     [x * 0.5 + 0.5, i.f32(0.5) - y * 0.5]
@@ -122,7 +123,7 @@ mod tests {
         all
     }
 
-    /// Each chart's place against the f64 one, by the direction that it stands for: places on an edge may lie on either side.
+    /// The coordinates of each layout against the f64 ones, compared by their directions. A point of an edge may lie on either face.
     #[test]
     fn places_are_those_of_the_reference() {
         for chart in EnvironmentLayout::ALL {
@@ -140,7 +141,7 @@ mod tests {
                 if face.0 as usize == at && off < 0.1 {
                     worst = worst.max(off);
                 } else {
-                    // Another place of the same direction.
+                    // Other coordinates of the same direction.
                     let uv = texmap_math::glam::DVec2::new(uv[0].into(), uv[1].into());
                     let back = chart.direction(face.0 as usize, uv);
                     assert!((back - d.normalize()).length() < 2e-6, "{chart:?} {d}");

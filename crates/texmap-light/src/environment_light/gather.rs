@@ -213,7 +213,7 @@ impl Texels {
                 lanes.store(&mut sum[at..]);
             }
         }
-        // By their number, whatever the width.
+        // Near patches in the order of their numbers, which is the same at every width.
         near.sort_unstable();
         for at in (0..LANES).step_by(I::LANES) {
             let mut lanes = [i.f32(0.0); 4];

@@ -17,11 +17,11 @@ const SIZE: u32 = 64;
 const RAYS: u32 = 2;
 /// Standard deviation of the blur, radians.
 const BLUR: f32 = 0.04;
-/// The eye, in the room's own place: it stands 3.5 below the origin.
+/// Position of the eye, 3.5 below the origin of the room.
 const EYE: DVec3 = DVec3::new(0.0, 3.5, 0.0);
 /// Middle and half the sides of the room.
 const ROOM: (DVec3, DVec3) = (DVec3::new(0.0, 13.2, 0.0), DVec3::new(15.75, 14.25, 15.75));
-/// The lamp, which lights the room and the white boxes: its place, its strength in candela and its range.
+/// The point light of the room and of the white boxes: position, intensity in candela and range.
 const LAMP: (DVec3, f64, f64) = (DVec3::new(0.5, 14.0, 0.5), 400.0, 28.0);
 
 /// Middle, turn about +Y and sides of a white box.
@@ -51,7 +51,7 @@ struct Solid {
     half: DVec3,
     cos: f64,
     sin: f64,
-    /// Of a slab; boxes are lit.
+    /// Radiance of a slab; `None` for boxes, which are lit.
     radiance: Option<f64>,
 }
 
@@ -106,7 +106,7 @@ impl Solid {
     }
 }
 
-/// Radiance of a white surface under the lamp.
+/// Radiance of a white surface under the point light.
 fn lit(point: DVec3, normal: DVec3) -> f64 {
     let (position, intensity, range) = LAMP;
     let way = position - point;

@@ -75,7 +75,7 @@ fn diffuse_light_is_within_two_percent_of_its_integral() {
     }
 }
 
-/// What a lobe gathers of a sky whose integral has a closed form: a light of `1 + y` has its own cosine's mean.
+/// The light that a lobe gathers of a sky with a closed form. A sky of `1 + y` gives 1 plus the mean cosine of the lobe.
 #[test]
 fn lobes_gather_more_of_the_sky_as_they_widen() {
     let sky = Environment::from_fn(EnvironmentLayout::Cube, 64, |d| [1.0 + d.y as f32; 3]);

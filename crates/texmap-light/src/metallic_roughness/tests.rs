@@ -42,7 +42,7 @@ fn towards(nv: f64) -> DVec3 {
     DVec3::new((1.0 - nv * nv).sqrt(), 0.0, nv)
 }
 
-/// What is returned of even light of 1: an integral over half vectors for the lobes, directions for the rest.
+/// Radiance returned of even light of 1. The integral is over half vectors for the lobes and over directions for the rest.
 fn furnace(surface: &MetallicRoughnessSurface, nv: f64) -> DVec3 {
     let reflectance = Reflectance::new(surface);
     let (n, view) = (DVec3::Z, towards(nv));

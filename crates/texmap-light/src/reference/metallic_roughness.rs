@@ -3,8 +3,8 @@
 //! Microfacets are glTF 2.0's (appendix B: GGX, height-correlated Smith, Schlick). Layers are scaled by directional albedos, so that
 //! the BRDF is reciprocal, returns no more light than it gets, and all of it where the base is white:
 //! - light that scatters more than once between facets (Kulla and Conty 2017) is added to the specular lobe,
-//! - a diffuse base gets what the dielectric lobe leaves, on the way in and on the way out,
-//! - sheen and clearcoat leave to what is below them the lesser of what they pass on both ways (`KHR_materials_sheen`).
+//! - a diffuse base gets the light that the dielectric lobe leaves, on the way in and on the way out,
+//! - sheen and clearcoat leave to the layers below the lesser of the fractions that they pass on both ways (`KHR_materials_sheen`).
 
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_1_PI, TAU};
@@ -170,7 +170,7 @@ impl core::fmt::Debug for Reflectance {
 }
 
 impl Reflectance {
-    /// Of a surface; some 10 ms.
+    /// The reflectance of a surface; takes some 10 ms.
     #[must_use]
     pub fn new(surface: &MetallicRoughnessSurface) -> Self {
         let curve = |roughness: f32| {

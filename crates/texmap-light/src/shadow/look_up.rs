@@ -15,7 +15,7 @@ pub enum ShadowBias {
     /// The planes of both surfaces, with this constant (1e-4 of the scene's size is enough). Each comparison takes the receiver's depth
     /// on its own plane there, where that is nearer to the light (receiver-plane bias), and the map holds every caster's depth as
     /// far as its plane reaches over the filter ([`caster_reach`](Self::caster_reach): slope-scaled bias at drawing). Of the
-    /// comparisons, fewer than a row that contradict all others say nothing ([`outliers`](Self::outliers)).
+    /// comparisons, fewer than a row that contradict all others are ignored ([`outliers`](Self::outliers)).
     Planes(f64),
     /// A constant, world units. It leaves acne on slopes or detaches shadows: for comparison.
     Constant(f64),
@@ -27,9 +27,9 @@ pub enum ShadowBias {
 }
 
 impl ShadowBias {
-    /// By how many texels of its own slope, `|dz/dx| + |dz/dy|`, a map must hold each caster's depth moved away from the light, for
-    /// look-ups of `taps` x `taps` comparisons: one and a half times the filter's reach and the caster's own texel under
-    /// [`Planes`](Self::Planes), else 0.
+    /// Offset of each caster's stored depth away from the light, in texels of slope `|dz/dx| + |dz/dy|`. Look-ups of `taps` x
+    /// `taps` comparisons need one and a half times the filter's reach and the caster's own texel under [`Planes`](Self::Planes),
+    /// else 0.
     #[must_use]
     pub fn caster_reach(self, taps: u32) -> f64 {
         match self {
@@ -38,9 +38,9 @@ impl ShadowBias {
         }
     }
 
-    /// Number of comparisons of `taps` x `taps` that may contradict all others and say nothing. The edge of a shadow crosses a filter in a
-    /// row at least; fewer are a crease or a bump within the filter. 2 r under [`Planes`](Self::Planes) with filter radius r,
-    /// else 0; the share that is lit is the lit ones less these, of all but twice these.
+    /// Number of outliers, comparisons of `taps` x `taps` that contradict all others and are ignored. The edge of a shadow crosses a
+    /// filter in a row at least; fewer are a crease or a bump within the filter. 2 r under [`Planes`](Self::Planes) with filter
+    /// radius r, else 0; the visibility is the lit comparisons less the outliers, over all less twice the outliers.
     #[must_use]
     pub fn outliers(self, taps: u32) -> u32 {
         match self {
@@ -51,7 +51,7 @@ impl ShadowBias {
 }
 
 impl ShadowMap {
-    /// Share of the light that reaches a point, 0..=1: the mean of `taps` x `taps` comparisons (1 or an odd number up to 15;
+    /// Fraction of the light that reaches a point, 0..=1. It is the mean of `taps` x `taps` comparisons (1 or an odd number up to 15;
     /// even ones are rounded up) around the point's texel. Points outside of the map, behind a spot light, or not finite
     /// are lit. `normal` has unit length.
     #[must_use]
@@ -93,8 +93,8 @@ impl ShadowMap {
                 );
             }
         }
-        let stray = bias.outliers(taps);
-        let lit = lit.saturating_sub(stray) as f32 / (count - 2 * stray) as f32;
+        let outliers = bias.outliers(taps);
+        let lit = lit.saturating_sub(outliers) as f32 / (count - 2 * outliers) as f32;
         if lit < 1.0 { lit } else { 1.0 }
     }
 
@@ -123,8 +123,8 @@ impl ShadowMap {
         Ok(())
     }
 
-    /// Stored depth; `None` outside of the map, which is lit. A tap over the edge of a cube's face reads the neighbour: all faces
-    /// store distances, so that they compare.
+    /// Stored depth; `None` outside of the map, which is lit. A comparison over the edge of a cube's face reads the neighbour: all
+    /// faces store distances, so that their depths compare.
     fn depth(&self, face: usize, x: i64, y: i64) -> Option<f64> {
         let size = i64::from(self.size);
         if (0..size).contains(&x) && (0..size).contains(&y) {
@@ -224,8 +224,8 @@ mod tests {
         )
     }
 
-    /// Shares of false shadow and false light over points of plane and ball seen from above, outside a band of 1.5 texels around
-    /// the true shadow's edge; the light must face the surface.
+    /// Fractions of false shadow and false light over points of plane and ball seen from above. A band of 1.5 texels around the true
+    /// shadow's edge is left out; the light must face the surface.
     fn wrong(
         map: &ShadowMap,
         to_light: &dyn Fn(DVec3) -> DVec3,
@@ -297,7 +297,7 @@ mod tests {
         }
     }
 
-    /// Of the comparisons of the default bias, fewer than a row that contradict all others say nothing; an edge stays where it is.
+    /// Fewer comparisons than a row that contradict all others are ignored under the default bias. An edge keeps its position.
     #[test]
     fn stray_comparisons_say_nothing() {
         let kind = ShadowKind::Directional {
@@ -346,8 +346,8 @@ mod tests {
         }
     }
 
-    /// Filtered shadows of a point light do not know its cube: across an edge of two faces the share that is lit is that of the
-    /// same ball under a cube that is turned so that no edge is near.
+    /// Filtered shadows of a point light do not depend on its cube. Across an edge of two faces the visibility is that of the same
+    /// ball under a cube that is turned so that no edge is near.
     #[test]
     fn filtered_taps_cross_the_faces_of_a_cube() {
         // A wall at x = 2 seen from the origin; a screen at x = 1 shadows all of z < x. Its shadow's edge is the cube's edge +X +Z.
@@ -383,7 +383,7 @@ mod tests {
             )
         };
         let texel = 4.0 / 64.0;
-        // Half of the taps lie over the edge, in the other face.
+        // Half of the comparisons lie over the edge, in the other face.
         assert!(
             (lit(2.0 - 0.5 * texel) - 0.4).abs() < 0.01,
             "{}",

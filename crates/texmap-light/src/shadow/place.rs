@@ -1,4 +1,4 @@
-//! The place of a point in a shadow map: face, texel and depth, and how the depth changes over the plane that the point lies on.
+//! Coordinates of a point in a shadow map. They are face, texel, depth, and the slope of the depth over the plane of the point.
 
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
@@ -6,7 +6,7 @@ use texmap_math::glam::{DVec2, DVec3};
 use super::{ShadowKind, ShadowMap};
 use crate::cube_face::direction_of;
 
-/// The place of a point in a map.
+/// Coordinates of a point in a map.
 pub(super) struct Place {
     pub(super) face: usize,
     /// Texels from the top left.
@@ -19,7 +19,7 @@ pub(super) struct Place {
 }
 
 impl ShadowMap {
-    /// The place of a point on a plane of this normal; `None` outside of the map.
+    /// Coordinates of a point on a plane of this normal; `None` outside of the map.
     pub(super) fn place(&self, point: DVec3, normal: DVec3) -> Option<Place> {
         if !point.is_finite() {
             return None;

@@ -17,17 +17,17 @@ pub(super) struct Cube {
     taps: Taps,
 }
 
-/// Places of points around the light.
+/// Coordinates of points in the faces around the light.
 struct Place<I: Isa> {
     side: Side<I>,
-    /// The ray to it: right and down on its face, of which the axis is 1.
+    /// Components of the ray to the point, right and down on its face. The component along the axis is 1.
     ray: [I::F32; 2],
     /// Distance along that axis.
     major: I::F32,
 }
 
 impl<I: Isa> Place<I> {
-    /// Of usable directions from the light.
+    /// Coordinates of directions from the light that are finite and not zero.
     #[inline(always)]
     fn of(d: Vector<I>) -> Self {
         let side = Side::<I>::of(d);
@@ -112,7 +112,7 @@ impl Cube {
             receiver = Receiver::new(i, reference, slope, texel * STEEPEST, at, [x, y]);
         }
         let within = self.taps.holds_around(i, x, y);
-        // Bounds know nothing of what lies beyond an edge.
+        // Bounds of a face do not hold for texels beyond its edges.
         let [least, most] = self.taps.bounds.around(i, face, x, y);
         let lowest = receiver.least(self.taps.radius);
         let (all, none) = (reference.simd_le(least), lowest.simd_gt(most));
@@ -135,7 +135,7 @@ impl Cube {
         (c * 0.5 + 0.5) * self.taps.size as f32
     }
 
-    /// Places of points, and the lanes that have one: points at the light and those that are not finite get that of a point along +Z.
+    /// Coordinates of points, and the lanes that have some. Points at the light and those that are not finite get those along +Z.
     #[inline(always)]
     fn place<I: Isa>(&self, i: I, point: Vector<I>) -> (Place<I>, I::Mask) {
         let (d, holds) = usable(i, sub(point, splat(i, self.position)));
@@ -150,7 +150,8 @@ impl Cube {
             .min(i.i32(self.taps.size - 1))
     }
 
-    /// Comparisons that pass; all taps lie on the faces of their points if `WITHIN`, the receiver's depth differs between them if `PLANES`.
+    /// Number of comparisons that pass. All texels lie on the faces of their points if `WITHIN`; the receiver's depth differs between
+    /// comparisons if `PLANES`.
     #[inline(always)]
     fn passing<I: Isa, const WITHIN: bool, const PLANES: bool>(
         &self,

@@ -109,7 +109,7 @@ impl Flat {
         inside.select(self.taps.share(i, lit), i.f32(1.0))
     }
 
-    /// Places that lie in the map.
+    /// Lanes whose coordinates lie in the map.
     #[inline(always)]
     fn holds<I: Isa>(&self, _: I, [x, y, depth]: Vector<I>) -> I::Mask {
         let n = self.taps.size as f32;
@@ -122,7 +122,8 @@ impl Flat {
         }
     }
 
-    /// Comparisons that pass; all taps lie in the map if `WITHIN`, the receiver's depth differs between them if `PLANES`.
+    /// Number of comparisons that pass. All texels lie in the map if `WITHIN`; the receiver's depth differs between comparisons if
+    /// `PLANES`.
     #[inline(always)]
     fn passing<I: Isa, const WITHIN: bool, const PLANES: bool>(
         &self,
@@ -150,7 +151,7 @@ impl Flat {
         lit
     }
 
-    /// A normal's components right and down in the map, and along the ray to a place in it.
+    /// A normal's components right and down in the map, and along the ray to a texel.
     #[inline(always)]
     fn tilt<I: Isa>(&self, i: I, [x, y]: [I::F32; 2], normal: Vector<I>) -> ([I::F32; 2], I::F32) {
         let right = dot(splat(i, self.axes[0]), normal);
@@ -159,7 +160,7 @@ impl Flat {
         if !self.divided {
             return ([right, down], -back);
         }
-        // n . ray, the ray's components taken from the place in the map.
+        // n . ray, the ray's components taken from the coordinates in the map.
         let half = 0.5 * self.taps.size as f32;
         let (px, py) = ((x - half) * self.texel, (y - half) * self.texel);
         ([right, down], (right * px + down * py) - back)

@@ -12,7 +12,7 @@ pub(super) enum Bias {
     Planes(f32),
     Constant(f32),
     Slope(f32),
-    /// In texels.
+    /// Offset along the normal, in texels.
     NormalOffset(f32),
 }
 
@@ -25,8 +25,8 @@ pub(super) struct Taps {
     pub(super) radius: i32,
     pub(super) bounds: ShadowBounds,
     pub(super) bias: Bias,
-    /// Comparisons that say nothing where they contradict all others.
-    stray: f32,
+    /// Number of comparisons that are ignored if they contradict all others.
+    outliers: f32,
 }
 
 /// The receiver's depth at the comparisons around a texel.
@@ -34,12 +34,13 @@ pub(super) struct Receiver<I: Isa> {
     depth: I::F32,
     /// Change of the depth per texel right and down.
     slope: [I::F32; 2],
-    /// From the receiver to the middle of its texel.
+    /// Vector from the receiver to the middle of its texel.
     middle: [I::F32; 2],
 }
 
 impl<I: Isa> Receiver<I> {
-    /// `slope` per texel, `steepest` at most, of a receiver at `place` (texels) in the texel whose column and row are `texel`.
+    /// Depths of a receiver at `place` (texels) in the texel whose column and row are `texel`. Its depth changes by `slope` per texel,
+    /// at most by `steepest`.
     #[inline(always)]
     pub(super) fn new(
         i: I,
@@ -61,7 +62,7 @@ impl<I: Isa> Receiver<I> {
         out
     }
 
-    /// Of one depth.
+    /// Depths that are one depth at all comparisons.
     #[inline(always)]
     pub(super) fn level(i: I, depth: I::F32) -> Self {
         Self {
@@ -71,7 +72,8 @@ impl<I: Isa> Receiver<I> {
         }
     }
 
-    /// At the texel `di` columns and `dj` rows away: on its plane where that is nearer to the light; its one depth unless `PLANES`.
+    /// Depth of the receiver at the texel `di` columns and `dj` rows away. With `PLANES` it is that of the receiver's plane where that
+    /// is nearer to the light, else one depth.
     #[inline(always)]
     pub(super) fn at<const PLANES: bool>(&self, i: I, di: i32, dj: i32) -> I::F32 {
         if !PLANES {
@@ -102,7 +104,7 @@ impl Taps {
             size: map.size() as i32,
             radius: radius(taps) as i32,
             bounds: ShadowBounds::fitting(bounds, map.depths(), map.size() as usize, taps),
-            stray: bias.outliers(taps) as f32,
+            outliers: bias.outliers(taps) as f32,
             bias: match bias {
                 ShadowBias::Planes(constant) => Bias::Planes(constant as f32),
                 ShadowBias::Constant(constant) => Bias::Constant(constant as f32),
@@ -118,10 +120,10 @@ impl Taps {
         side * side
     }
 
-    /// The share of the light that `lit` comparisons leave.
+    /// Fraction of the light by the number of comparisons that pass.
     #[inline(always)]
     pub(super) fn share<I: Isa>(&self, i: I, lit: I::F32) -> I::F32 {
-        let share = (lit - self.stray) / (self.count() - 2.0 * self.stray);
+        let share = (lit - self.outliers) / (self.count() - 2.0 * self.outliers);
         share.clamp(i.f32(0.0), i.f32(1.0))
     }
 

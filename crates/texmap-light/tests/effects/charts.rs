@@ -268,7 +268,7 @@ fn conversion_to_a_smaller_chart_filters() {
 
 #[test]
 fn blur_gathers_the_lobe() {
-    // A constant stays; a lamp becomes its highlight, cos^n around it.
+    // A constant stays; a point-like light becomes its highlight, cos^n around it.
     let constant =
         Environment::from_fn(EnvironmentLayout::Octahedron, 32, |_| [0.25, 0.5, 1.0]).unwrap();
     let blurred = constant.blur(EnvironmentLayout::Cube, 4, 10.0).unwrap();
@@ -352,7 +352,7 @@ fn reflection_is_a_mirror() {
     }
 }
 
-/// One bright texel: what is blurred most sharply.
+/// One bright texel, the sharpest input of a blur.
 fn lamp() -> Environment {
     let toward = DVec3::new(0.3, 0.1, 1.0).normalize();
     Environment::from_fn(EnvironmentLayout::Cube, 40, |d| {

@@ -116,7 +116,7 @@ impl<'a> BinnedDraws<'a> {
             .iter()
             .map(|d| Transform::new(&d.clip_from_object, size))
             .collect();
-        let mut snapped: Vec<_> = draws.iter().map(transform::room).collect();
+        let mut snapped: Vec<_> = draws.iter().map(transform::snapped_buffer).collect();
         for ((draw, transform), buffer) in draws.iter().zip(&transforms).zip(&mut snapped) {
             let work = draw
                 .positions

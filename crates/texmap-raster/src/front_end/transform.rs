@@ -160,7 +160,7 @@ fn all_finite<I: Isa>(i: I, values: &[f32]) -> bool {
 }
 
 /// Buffer for the snapped vertices of a draw.
-pub(crate) fn room(draw: &DrawCall<'_>) -> Vec<Snapped> {
+pub(crate) fn snapped_buffer(draw: &DrawCall<'_>) -> Vec<Snapped> {
     alloc::vec![SPECIAL; draw.positions.len()]
 }
 

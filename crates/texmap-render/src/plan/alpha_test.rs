@@ -1,4 +1,4 @@
-//! Alpha tests: which pixels of a cut-out exist.
+//! Alpha tests of cut-out pixels.
 
 use texmap_math::{Footprint, Level};
 use texmap_raster::UvBlock;
@@ -16,7 +16,7 @@ pub(crate) enum AlphaTestStage {
 }
 
 impl AlphaTestStage {
-    /// The alpha test of a pixel at `place`, with the samplers and the level of detail of shading.
+    /// The alpha test of a pixel at `place`, uv and footprint. Samplers and level of detail are those of shading.
     pub(crate) fn keeps(
         self,
         place: Option<([f32; 2], Footprint)>,
@@ -87,7 +87,7 @@ fn slices(pair: &mut [[f32; LANES]; 2]) -> [&mut [f32]; 2] {
     pair.each_mut().map(|c| &mut c[..])
 }
 
-/// What an alpha test keeps; `None` if there is none, or nothing that it could cut out.
+/// The alpha test of a material; `None` if there is none, or nothing that it could cut out.
 pub(crate) fn alpha_test(
     material: &Material,
     base_color: Option<&Slot<'_>>,

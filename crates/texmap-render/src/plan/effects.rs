@@ -14,7 +14,7 @@ use crate::vertices::{Values, Vertices};
 use texmap_scene::{LightMapSlot, NormalDetail};
 use texmap_scene::{Material, Mesh, Scene, TextureSlot};
 
-/// Textures in place of numbers of a material: their places in [`SurfaceEffects::maps`].
+/// Textures instead of numbers of a material: their indices in [`SurfaceEffects::maps`].
 pub(super) const AMBIENT: usize = 0;
 pub(super) const SPECULAR: usize = 1;
 pub(super) const EXPONENT: usize = 2;
@@ -30,7 +30,7 @@ pub(crate) struct SurfaceEffects<'s> {
     pub(crate) metallic: [Option<Slot<'s>>; METALLIC_MAPS],
     /// Baked light, its map, and the first attribute of the coordinates.
     pub(crate) light_map: Option<(&'s LightMapSlot, Slot<'s>, usize)>,
-    /// The model of light asks for the direction to the eye whatever the lights.
+    /// True if the model of light reads the direction to the eye for any lights.
     sees_eye: bool,
     /// Unit normals of the triangles' planes, world space.
     pub(crate) planes: Vec<DVec3>,
@@ -55,8 +55,8 @@ impl<'s> SurfaceEffects<'s> {
         }
         let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
         let maps = &material.maps;
-        let relief = material.normal_detail.as_ref();
-        let normal = relief.map(|relief| normal_detail(relief, mesh, vertices, slot));
+        let detail = material.normal_detail.as_ref();
+        let normal = detail.map(|detail| normal_detail(detail, mesh, vertices, slot));
         let light_map = material.light_map.as_ref();
         let lightmap_uv = light_map.map(|_| vertices.push(Values::LightMapUv, false));
         let baked = |index: usize| match light_map.map(|map| &map.baked) {
@@ -105,7 +105,7 @@ impl<'s> SurfaceEffects<'s> {
 
 /// The normal stage of a material, and the attributes that it reads but uv, normals and positions.
 fn normal_detail<'s>(
-    relief: &'s NormalDetail,
+    detail: &'s NormalDetail,
     mesh: &Mesh,
     vertices: &mut Vertices,
     slot: impl Fn(&'s TextureSlot) -> Slot<'s>,
@@ -115,7 +115,7 @@ fn normal_detail<'s>(
         height,
         unit: unit as f32,
     };
-    match relief {
+    match detail {
         NormalDetail::Bump { slot: map, height } => NormalSource::Bump(slot(map), rise(*height)),
         NormalDetail::Offsets {
             slot: map,

@@ -29,7 +29,7 @@ pub(super) fn light_stage(
     }
 }
 
-/// Whether light differs between points of one normal.
+/// True if light differs between points of one normal.
 pub(super) fn lights_depend_on_place(lights: &[Light], material: &Material) -> bool {
     lights.iter().any(|light| match light {
         Light::Ambient { .. } => false,

@@ -91,7 +91,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     let mut shadow_maps = lights.iter().flat_map(LitBy::shadow_maps);
     let by_shadows = shadow_maps.any(ShadowSampler::reads_normals);
     drop(shadow_maps);
-    // Paint does not reach what faces away from its projector.
+    // Paint does not reach surfaces that face away from its projector.
     let reads_planes = by_shadows || !paint.projectors.is_empty();
     let metallic = per_pixel && material.metallic_roughness.is_some();
     let reflects = effects.is_some()
@@ -327,7 +327,7 @@ fn normals<'a>(
     });
 }
 
-/// The light of a surface that is lit per pixel. Another model of light takes the place of [`phong_lights`].
+/// The light of a surface that is lit per pixel. Another model of light replaces [`phong_lights`].
 fn light<'a>(
     out: &mut Stages<'a>,
     plan: &'a Plan<'a>,
@@ -430,16 +430,16 @@ fn unshadowed<'a>(light: &Light) -> LitBy<'a> {
 
 /// The lights of a surface, their shadow maps and projectors.
 fn lights<'a>(ready: &'a FrameResources<'a>, effects: &'a SurfaceEffects<'a>) -> Vec<LitBy<'a>> {
-    let first_lamp = ready.lights.len() - ready.projector_lights.len();
-    let mut lamps = 0..;
+    let first_projector = ready.lights.len() - ready.projector_lights.len();
+    let mut numbers = 0..;
     let lights = effects.lights.iter().map(|(index, light)| {
         let projected = index
-            .checked_sub(first_lamp)
+            .checked_sub(first_projector)
             .map(|k| &ready.projector_lights[k]);
         LitBy {
             light: *light,
             shadows: &ready.shadows[*index],
-            projector: projected.and_then(|projected| Some((projected, lamps.next()?))),
+            projector: projected.and_then(|projected| Some((projected, numbers.next()?))),
         }
     });
     lights.collect()

@@ -69,12 +69,12 @@ static VOLUME_MATERIAL: LazyLock<Material> = LazyLock::new(|| Material {
     name: "volume".into(),
     shading: Shading::Unlit,
     alpha: AlphaMode::Blend,
-    // The far sides cover what the box covers, also for an eye inside of it.
+    // The far sides cover the pixels of the box, also for an eye inside of it.
     cull: Cull::Front,
     ..Material::default()
 });
 
-/// The far sides of a volume's box, whatever stands before them. They still lack their stage.
+/// The far sides of a volume's box, drawn behind all surfaces. They still lack their stage.
 pub(crate) fn far_sides<'s>(volume: &Volume, clip_from_world: DMat4) -> Surface<'s> {
     let mesh = &*CUBE;
     let mut vertices = VertexData::of(mesh, Vec::new(), 0);

@@ -24,7 +24,7 @@ use texmap_scene::{
 /// One mesh, ready for the rasterizer and the stages.
 pub(crate) struct Surface<'s> {
     pub(crate) mesh: &'s Mesh,
-    /// Index of the mesh in the scene; `u32::MAX` for what is none of its meshes.
+    /// Index of the mesh in the scene; `u32::MAX` for a background or volume.
     pub(crate) number: u32,
     pub(crate) material: &'s Material,
     pub(crate) base_color: Option<Slot<'s>>,
@@ -35,13 +35,13 @@ pub(crate) struct Surface<'s> {
     pub(crate) carved: Option<SolidStage<'s>>,
     /// Emitted light (raw values in raw mode) and the map that multiplies it, where the surface shows.
     pub(crate) emission: Option<([f32; 3], Option<Slot<'s>>)>,
-    /// The only stage of what is no surface.
+    /// The only stage of a background or volume, which is no surface.
     pub(crate) space: Option<Space<'s>>,
     pub(crate) uv: Coordinates,
     /// First attribute of the second set of coordinates.
     pub(crate) second_uv: Option<usize>,
     pub(crate) light: LightStage,
-    /// What a surface lit per pixel is under beside plain lights.
+    /// Effects of a surface lit per pixel beside plain lights.
     pub(crate) effects: Option<Box<SurfaceEffects<'s>>>,
     /// Vertex colours, where light at the vertices has not taken them in.
     pub(crate) color: Option<usize>,
@@ -56,7 +56,7 @@ pub(crate) struct Surface<'s> {
     /// `None` if nothing is cut out.
     pub(super) cut: Option<AlphaTestStage>,
     pub(crate) pass: Pass,
-    /// Instead of the scene's.
+    /// Depth test that replaces that of the scene.
     pub(super) depth_test: Option<DepthTest>,
     pub(crate) vertices: VertexData<'s>,
     pub(super) interp: Interp,

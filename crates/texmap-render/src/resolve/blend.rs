@@ -1,4 +1,4 @@
-//! Blending: a batch over what the tile holds, and the mean of four samples a pixel.
+//! Blending: a batch over the contents of the tile, and the mean of four samples a pixel.
 
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
@@ -10,7 +10,7 @@ use crate::shade::batch::LANES;
 use texmap_scene::ColorMode;
 
 impl TileBuffer {
-    /// Blends the blocks of a batch, in order, over what is there, and marks in `covered` the pixels whose alpha is above 0.
+    /// Blends the blocks of a batch, in order, over the buffer. Pixels whose alpha is above 0 are marked in `covered`.
     pub(crate) fn blend(
         &mut self,
         level: Level,
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
     use texmap_math::simd::Scalar;
 
-    /// In f32 the mean of the light of four bytes is never on the wrong side of a half.
+    /// The mean of the light of four bytes in f32 is never on the wrong side of a half.
     #[test]
     fn mean_of_bytes_is_that_of_their_light() {
         let mut buffer = TileBuffer::new();

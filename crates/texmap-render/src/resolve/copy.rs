@@ -42,7 +42,7 @@ impl TileBuffer {
         let start = (y >> 2) * 16 * LANES + (y & 3) * 4;
         let (fours, rest) = row.as_chunks_mut::<16>();
         let (quads, _) = self.words[start..].as_chunks::<4>();
-        // A whole row, without a question: every fourth four words.
+        // A whole row, without branches: every fourth four words.
         if let (Some(fours), Some(quads)) = (
             fours.first_chunk_mut::<16>(),
             quads.first_chunk::<{ 15 * 4 + 1 }>(),
@@ -89,7 +89,7 @@ pub(crate) fn fill_rows(level: Level, rows: &mut [&mut [u8]], word: u32) {
     }
 }
 
-/// Whether these are all rows of a tile, as a block's words lie in memory.
+/// True if these are all rows of a tile, and words in memory have the byte order of blocks.
 pub(crate) fn rows_fit(rows: &[&mut [u8]]) -> bool {
     cfg!(target_endian = "little")
         && rows.len() == TILE as usize
@@ -240,12 +240,12 @@ mod tests {
             *word = 0x0301_0500 + i as u32;
         }
         for (width, height) in [(64, 64), (64, 7), (64, 3), (50, 64), (17, 9), (1, 1)] {
-            // Wherever rows lie in their cache lines.
+            // Rows at any offset in their cache lines.
             let places = [0, 4, 16, 32, 48].map(|ahead| (Level::new(), ahead));
             for (level, ahead) in places.into_iter().chain([(Level::baseline(), 0)]) {
-                let mut room = vec![0; 64 + ahead + 4 * width * height];
-                let start = room.as_ptr().align_offset(64) + ahead;
-                let bytes = &mut room[start..start + 4 * width * height];
+                let mut memory = vec![0; 64 + ahead + 4 * width * height];
+                let start = memory.as_ptr().align_offset(64) + ahead;
+                let bytes = &mut memory[start..start + 4 * width * height];
                 let mut rows: Vec<&mut [u8]> = bytes.chunks_mut(4 * width).collect();
                 buffer.copy_to(level, &mut rows);
                 for (i, pixel) in bytes.chunks(4).enumerate() {

@@ -37,7 +37,7 @@ pub(crate) fn split<T>(data: &mut [T], channels: usize, width: u32, height: u32)
     let (tile, width) = (TILE as usize, width as usize);
     let across = width.div_ceil(tile);
     let mut rows = Vec::with_capacity(across * height as usize);
-    // Block by block: the rows of each are put down in one go.
+    // Block by block, with the rows of each one after the other.
     for band in data.chunks_mut(width * channels * tile) {
         let mut left: Vec<&mut [T]> = band.chunks_mut(width * channels).collect();
         for column in 0..across {
@@ -48,7 +48,7 @@ pub(crate) fn split<T>(data: &mut [T], channels: usize, width: u32, height: u32)
     rows
 }
 
-/// What [`split`] gave, block by block.
+/// The rows of [`split`], block by block.
 pub(crate) fn blocks<'r, 'a, T>(
     mut rows: &'r mut [&'a mut [T]],
     width: u32,

@@ -105,7 +105,7 @@ impl TileBuffer {
         }
     }
 
-    /// Stores the light of a batch in place of what is there.
+    /// Stores the light of a batch over the present contents.
     pub(crate) fn put_light(&mut self, level: Level, batch: &[FragmentBlock], colors: &Shaded<'_>) {
         let light = &mut self.light;
         dispatch_simd!(level, i => put_light(i, light, batch, colors));

@@ -51,7 +51,7 @@ impl BaseColor<'_> {
             && (self.texture.is_some() || self.decal.is_some() || self.opacity_map.is_some())
     }
 
-    /// Reads what a batch is colored by, but for the texels of the pair.
+    /// Reads the textures of the base colors of a batch, but for the texels of the pair.
     pub(crate) fn fetch(&self, inputs: &Inputs<'_>, out: &mut BaseTexels) {
         let (level, batch) = (inputs.level, inputs.batch);
         let blocks = batch.list.len();
@@ -193,7 +193,7 @@ pub(crate) struct BaseStage<'a> {
 /// The colors that a [`BaseStage`] stores.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum BaseColors {
-    /// Those of the textures.
+    /// The colors of the textures.
     Own,
     /// The color of the material alone, times the vertex colors; opaque.
     Material,

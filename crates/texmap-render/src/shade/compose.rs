@@ -20,7 +20,7 @@ pub(crate) struct Compose<'a> {
 /// The way from the light of a surface to display light.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Display {
-    /// As it is.
+    /// Light is display light as it is.
     Done,
     /// Clipped at 1.
     Clipped,

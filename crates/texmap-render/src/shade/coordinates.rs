@@ -117,9 +117,9 @@ pub(crate) fn uv_of_attributes(fragment: &Fragment, first: usize) -> ([f32; 2], 
 /// so that they change evenly from sample to sample.
 #[derive(Clone, Copy)]
 pub(crate) struct EyeRays {
-    /// At the middle of the picture.
+    /// Direction at the middle of the picture.
     middle: [f32; 3],
-    /// From the middle to the centre of the first sample, in samples.
+    /// Vector from the middle to the centre of the first sample, in samples.
     first: [f32; 2],
     /// Change per sample to the right.
     pub(crate) dx: [f32; 3],
@@ -146,7 +146,7 @@ impl EyeRays {
         }
     }
 
-    /// Those of a parallel projection: one direction.
+    /// The directions of a parallel projection, which are one.
     pub(crate) fn parallel(view_from_world: DMat4) -> Self {
         let back = view_from_world.inverse().transform_vector3(DVec3::Z);
         Self {

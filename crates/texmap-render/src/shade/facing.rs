@@ -1,4 +1,4 @@
-//! The triangles of a block: which side is seen, and the normals of their planes.
+//! Facing of the triangles of a block, and the normals of their planes.
 
 use texmap_math::glam::DVec3;
 use texmap_math::narrow;
@@ -16,7 +16,7 @@ pub(crate) struct FacingStage<'a> {
 /// The sides of the triangles of a batch that are seen.
 #[derive(Default)]
 pub(crate) struct Sides {
-    /// Of each block, the pixels that show the back of their triangle.
+    /// A mask of each block with the pixels that show the back of their triangle.
     pub(crate) back: [u16; BATCH_PIXELS / LANES],
     /// Normals of the planes on the side that is seen; no meaning where nothing reads them.
     pub(crate) plane: Columns<3>,

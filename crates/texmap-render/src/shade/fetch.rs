@@ -103,7 +103,7 @@ pub(crate) struct TexturePair<'a> {
     views: Option<[Option<BoundTexture<'a>>; 2]>,
     /// The mips of both are the same.
     same_mips: bool,
-    /// Some filter asks how large a pixel is.
+    /// True if some filter reads derivatives.
     derivatives: bool,
 }
 

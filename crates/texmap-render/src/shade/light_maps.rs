@@ -38,7 +38,7 @@ impl Kernel for LightMap<'_> {
     }
 }
 
-/// A texture in place of the color of the highlights.
+/// A texture instead of the color of the highlights.
 pub(crate) struct SpecularMap<'a>(pub(crate) &'a Slot<'a>);
 
 impl Kernel for SpecularMap<'_> {
@@ -59,11 +59,10 @@ impl Kernel for SpecularMap<'_> {
     }
 }
 
-/// A texture in place of the base color under ambient light: a color of its own, which multiplies neither the base color nor that of the
-/// highlights.
+/// A texture instead of the base color under ambient light. Its color multiplies neither the base color nor that of the highlights.
 pub(crate) struct AmbientMap<'a> {
     pub(crate) slot: &'a Slot<'a>,
-    /// The ambient lights, times the material's share.
+    /// The ambient lights, times the material's ambient reflectance.
     pub(crate) lights: Vec<[f32; 3]>,
 }
 
@@ -93,7 +92,7 @@ impl Kernel for AmbientMap<'_> {
 pub(crate) struct Emission<'a> {
     pub(crate) color: [f32; 3],
     pub(crate) map: Option<&'a Slot<'a>>,
-    /// It is added to the highlights; else to the colors, which have their light already.
+    /// True if emitted light is added to the highlights; else it is added to the colors, which have their light already.
     pub(crate) under_light: bool,
 }
 

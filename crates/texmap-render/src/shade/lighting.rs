@@ -1,4 +1,4 @@
-//! The light of lamps per pixel: the sum over lights of their contribution times what reaches the surface of it.
+//! Light per pixel: the sum over lights of their contribution times their visibility.
 
 use texmap_light::lanes::{SpecularExponentLanes, TermsLanes, Vector, evaluate_light};
 use texmap_light::{Light, PhongMaterial, ShadowSampler, SpecularExponent, SpecularModel};
@@ -39,12 +39,12 @@ pub(crate) struct PhongLights<'a> {
 pub(crate) struct LitBy<'a> {
     pub(crate) light: Light,
     pub(crate) shadows: &'a [ShadowSampler],
-    /// And its place among the projectors of the surface.
+    /// The projected texture, and its index among the projectors of the surface.
     pub(crate) projector: Option<(&'a Projected<'a>, usize)>,
 }
 
 impl LitBy<'_> {
-    /// True if it shines on all normals alike.
+    /// True if the light is the same for all normals.
     pub(crate) fn is_ambient(&self) -> bool {
         matches!(self.light, Light::Ambient { .. })
     }
@@ -73,7 +73,7 @@ impl LitBy<'_> {
         }
     }
 
-    /// The share of the light that reaches the lanes of `lit`, times the projected texels.
+    /// Visibility of the light in the lanes of `lit`, times the projected texels.
     #[inline(always)]
     pub(crate) fn received<I: Isa>(
         &self,
@@ -100,7 +100,7 @@ impl LitBy<'_> {
     }
 }
 
-/// The share of a light that a shadow map leaves the lanes of `lit`. Out of line: look-ups are as much code as all else in a stage.
+/// Visibility of a light by a shadow map in the lanes of `lit`. Out of line: look-ups are as much code as the rest of a stage.
 #[inline(never)]
 pub(crate) fn visibility<I: Isa>(
     i: I,

@@ -102,7 +102,7 @@ impl<'a> MetallicStage<'a> {
         }
     }
 
-    /// The surface from pixel `at` on, and the share of indirect light that reaches it.
+    /// The surface from pixel `at` on, and the fraction of indirect light that reaches it.
     #[inline(always)]
     fn surface<I: Isa>(
         &self,

@@ -4,7 +4,7 @@
 //!
 //! To add a stage: a file with a struct of its numbers and slots, [`stage::Kernel`] for it, and a line in `plan/shader.rs` that pushes
 //! it where the material has it. `read` reads its texture into `texels`; `lanes` is the kernel, a loop over [`batch::parts`]. Another
-//! model of light takes the place of [`lighting::PhongLights`]; what reaches a surface of a light is [`lighting::LitBy::received`].
+//! model of light replaces [`lighting::PhongLights`]; the visibility of a light is [`lighting::LitBy::received`].
 //!
 //! A stage reads [`stage::Inputs`]: vectors, coordinates, sides, texels of projectors and of the pair. These columns of
 //! [`stage::ShadeColumns`] go from stage to stage: `toward_eye` and `normal` (from [`vectors`], then the normal detail); `diffuse` and

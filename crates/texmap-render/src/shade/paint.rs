@@ -8,7 +8,7 @@ use super::lighting::visibility;
 use super::projector::Projected;
 use super::stage::{Inputs, Kernel, ShadeColumns};
 
-/// Projectors that paint, the later over the earlier, and the place of the first among those of the surface.
+/// Projectors that paint, the later over the earlier. `first` is the index of the first among those of the surface.
 pub(crate) struct Paint<'a> {
     pub(crate) projectors: Vec<&'a Projected<'a>>,
     pub(crate) first: usize,

@@ -1,4 +1,4 @@
-//! Projected textures, read where they reach: of projector lights, and of projectors that paint.
+//! Texture fetches of projectors, both lights and paint, for the blocks that they reach.
 
 use texmap_light::lanes::Vector;
 use texmap_light::{BoundProjectorTexture, ShadowSampler};
@@ -16,13 +16,13 @@ use super::texels::{TexelAddresses, packed_view, read_placed};
 #[derive(Debug)]
 pub(crate) struct Projected<'s> {
     pub(crate) view: BoundProjectorTexture<'s>,
-    /// Of the projector.
+    /// Position of the projector.
     pub(crate) position: [f32; 3],
     pub(crate) shadow: Option<ShadowSampler>,
 }
 
 impl Projected<'_> {
-    /// True if the filter asks how large a pixel is.
+    /// True if the filter reads derivatives.
     pub(crate) fn reads_derivatives(&self) -> bool {
         self.view.sampler.filter.reads_derivatives()
     }
@@ -31,7 +31,7 @@ impl Projected<'_> {
 /// The texture fetch of a projector.
 pub(crate) struct ProjectorStage<'a> {
     pub(crate) projected: &'a Projected<'a>,
-    /// Where the filter gives packed bytes.
+    /// The picture, bound, if its filter gives packed bytes.
     view: Option<BoundTexture<'a>>,
 }
 
@@ -43,7 +43,7 @@ pub(crate) struct ProjectorTexels {
     changes: [Columns<2>; 2],
     fade: Columns<1>,
     texels: PackedTexels,
-    /// The place of each block of the batch among those; `None` for blocks that are not reached.
+    /// The index of each block of the batch among those that are reached; `None` for the others.
     place: [Option<u8>; BATCH_STRIDE / LANES],
 }
 
@@ -108,7 +108,7 @@ impl<'a> ProjectorStage<'a> {
             .expect("the columns have one length");
     }
 
-    /// The coordinates of the blocks that are reached, and how many these are.
+    /// The coordinates of the blocks that are reached, and their number.
     #[inline(always)]
     fn place<I: Isa>(
         &self,
@@ -157,7 +157,7 @@ mod tests {
     use texmap_raster::BATCH_PIXELS;
     use texmap_sample::{Filter, Wrap};
 
-    /// The packed words of a projector are its texels, blocks that it does not reach have none, and each pixel is what it is alone.
+    /// The packed words of a projector are its texels. Blocks that it does not reach have none, and pixels do not depend on each other.
     #[test]
     fn packed_words_of_projectors_are_their_texels() {
         let level = Level::new();

@@ -1,4 +1,4 @@
-//! A stage of a surface: what it reads, and the columns that it shares with the others.
+//! A stage of a surface: its inputs, and the columns that it shares with the others.
 
 use texmap_math::simd::Isa;
 use texmap_math::{Level, dispatch_simd};
@@ -35,14 +35,14 @@ impl<K: Kernel> Stage for K {
     }
 }
 
-/// What is read before the stages run.
+/// Inputs of the stages, read before they run.
 pub(crate) struct Inputs<'a> {
     pub(crate) level: Level,
     pub(crate) planes: &'a AttributePlanes,
     pub(crate) batch: &'a Batch<'a>,
     /// Coordinates as columns 0 and 1, where a stage reads a texture by them.
     pub(crate) uv: &'a Varyings,
-    /// The same of the second set.
+    /// Coordinates of the second set.
     pub(crate) second_uv: &'a Varyings,
     pub(crate) vectors: Vectors<'a>,
     /// The blocks of the batch, without the pixels of those whose normals nothing asks for.

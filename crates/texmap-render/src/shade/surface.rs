@@ -20,11 +20,11 @@ pub(crate) struct SurfaceShader<'a> {
     pub(crate) second_uv: Option<usize>,
     pub(crate) pair: TexturePair<'a>,
     pub(crate) vectors: VectorReader,
-    /// Where lights are computed per pixel.
+    /// The facing stage, if lights are computed per pixel.
     pub(crate) facing: Option<FacingStage<'a>>,
     /// The projectors of the lights, then those that paint.
     pub(crate) projectors: Vec<ProjectorStage<'a>>,
-    /// In the order in which they run; the last leaves the final colors.
+    /// The stages in their order; the last leaves the final colors.
     pub(crate) stages: Vec<Box<dyn Stage + 'a>>,
     /// The attributes that the stages read; `None` if a few columns of vectors suffice, which the surface reads itself.
     pub(crate) attributes: Option<usize>,

@@ -25,7 +25,7 @@ pub(crate) fn packed_view<'a>(
 /// Coordinates and mips of the texels that a batch reads.
 pub(crate) struct TexelAddresses {
     pub(crate) uv: Columns<2>,
-    /// In each of two textures, with 8 fraction bits.
+    /// Mips in each of two textures, with 8 fraction bits.
     mips: [[i32; BATCH_STRIDE]; 2],
     /// Triangles in a row of which not all texels were magnified.
     refusals: u32,
@@ -244,7 +244,7 @@ fn read<I: ByteIsa>(
         pixels.each::<_, false, _>(i, batch, &mut sink);
         return texels(i, view, addresses, 0, 0..batch.len(), out);
     }
-    // Neither derivatives nor mips are asked for where the bits do not depend on them.
+    // Neither derivatives nor mips are computed where the bits do not depend on them.
     let mut magnified = Magnified::new(addresses.refusals);
     let mut first = 0;
     while first < batch.len() {
@@ -313,13 +313,13 @@ fn bilinear<I: ByteIsa>(
     }
 }
 
-/// So many refusals in a row, and only one block of so many is asked about: few surfaces of small triangles are that near.
+/// Number of refusals in a row after which only one block of [`SELDOM`] is tested. Few surfaces of small triangles are that near.
 const PATIENCE: u32 = 4;
 const SELDOM: u16 = 8;
-/// Blocks after the first that a slot must have alone to be asked about: that costs as much as the derivatives of a few blocks.
+/// Blocks after the first that a slot must have alone to be tested. The test costs as much as the derivatives of a few blocks.
 const ALIKE: usize = 3;
 
-/// The triangle that was asked about last.
+/// The triangle that was tested last.
 struct Magnified {
     slot: u32,
     near: bool,
@@ -335,7 +335,7 @@ impl Magnified {
         }
     }
 
-    /// True if all texels of the first block of `batch` are surely magnified, and it is worth knowing.
+    /// True if all texels of the first block of `batch` are surely magnified, and the test pays.
     #[inline(always)]
     fn covers<I: ByteIsa>(
         &mut self,
@@ -442,7 +442,7 @@ impl<I: ByteIsa, const D: bool> BlockSink<I> for Store<'_, '_, D> {
     }
 }
 
-/// True if the filter of a view asks how large a pixel is.
+/// True if the filter of a view reads derivatives.
 fn reads_mips(view: &BoundTexture<'_>) -> bool {
     view.kind == Kernel::Trilinear
 }

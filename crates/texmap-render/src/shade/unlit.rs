@@ -12,7 +12,7 @@ use super::texels::{Pixels, TexelAddresses, packed_view, read_texels};
 use crate::textures::Slot;
 use texmap_scene::{AlphaMode, ColorMode, Material, TextureRole};
 
-/// From a texel to the color of an unlit surface.
+/// The conversion of a texel to the color of an unlit surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UnlitColor {
     /// Factors of the straight texel.
@@ -24,7 +24,7 @@ pub(crate) struct UnlitColor {
     opaque_texels: bool,
     /// Texels are bytes.
     bytes: bool,
-    /// Those bytes are the encoded pixels where nothing blends.
+    /// True if the bytes are the encoded pixels where nothing blends.
     exact: bool,
 }
 
@@ -98,11 +98,11 @@ impl UnlitColor {
 pub(crate) struct Unlit<'a> {
     color: UnlitColor,
     slot: Option<&'a Slot<'a>>,
-    /// The texture, where texels are read channel by channel.
+    /// The texture, bound, if texels are read channel by channel.
     bound: Option<BoundTexture<'a>>,
-    /// Where texels are read as packed words.
+    /// The texture, bound, if texels are read as packed words.
     view: Option<BoundTexture<'a>>,
-    /// Where texels can be read as encoded pixels.
+    /// Its encoded texels, bound, if they are the pixels of the surface.
     codes: Option<BoundTexture<'a>>,
 }
 
@@ -190,7 +190,7 @@ impl<'a> Unlit<'a> {
     }
 }
 
-/// What unlit stages keep between batches.
+/// Scratch of unlit stages.
 #[derive(Default)]
 pub(crate) struct UnlitScratch {
     pub(crate) addresses: TexelAddresses,
@@ -198,7 +198,7 @@ pub(crate) struct UnlitScratch {
 }
 
 impl UnlitScratch {
-    /// The coordinates of a batch as columns 0 and 1, as the slot reads them, and how many pixels that are.
+    /// The coordinates of a batch as columns 0 and 1, as the slot reads them, and the number of pixels.
     fn read_uv(
         &mut self,
         level: Level,

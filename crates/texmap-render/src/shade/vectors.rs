@@ -13,7 +13,7 @@ use super::stage::{Inputs, Kernel, ShadeColumns};
 pub(crate) struct Vectors<'a> {
     pub(crate) normal: &'a [Varying; 3],
     pub(crate) position: Option<&'a [Varying; 3]>,
-    /// And the sign of the bitangent.
+    /// Tangents and the sign of the bitangent.
     pub(crate) tangent: &'a [Varying; 4],
 }
 
@@ -30,7 +30,7 @@ pub(crate) struct VectorReader {
     pub(crate) normal_changes: bool,
 }
 
-/// What a [`VectorReader`] reads into.
+/// Scratch of a [`VectorReader`].
 #[derive(Default)]
 pub(crate) struct VectorScratch {
     early: Varyings,

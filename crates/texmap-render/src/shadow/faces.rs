@@ -1,4 +1,4 @@
-//! The faces of a shadow map: how each is seen, and what its depths become.
+//! The faces of a shadow map: their views, and the conversion of their depths.
 
 use texmap_light::{EnvironmentLayout, ShadowKind};
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
@@ -18,13 +18,13 @@ enum Metric {
     Linear(f64, f64),
     /// `near / distance along the axis`.
     Reciprocal(f64),
-    /// The same, and the metric is the distance from the light.
+    /// `near / distance along the axis`, where the metric is the distance from the light.
     Distance(f64),
 }
 
 impl FaceView {
-    /// From the depths of rows of a face's buffer, each moved by `reach` texels of its slope, to those of its map. Whether all are numbers,
-    /// none below 0 but under parallel light.
+    /// Converts depths of a face's buffer to those of its map, each moved by `reach` texels of slope. True if all are numbers, and none
+    /// is below 0 but under parallel light.
     pub(super) fn measure(&self, strip: &mut DepthStrip<'_>, size: u32, reach: f64) -> bool {
         match self.metric {
             Metric::Linear(near, far) => {
@@ -46,8 +46,8 @@ impl FaceView {
     }
 }
 
-/// Distances in place of the depths above 0, and infinity in place of 0, in the tiles that a strip holds something in. `distance` is given
-/// column, row and depth. Whether all are numbers from `least` on.
+/// Replaces depths above 0 by distances, and 0 by infinity, in the tiles of a strip that are reached. The arguments of `distance`
+/// are column and row, and the depth. True if all are numbers from `least` on.
 #[inline(always)]
 fn each_reached(
     strip: &mut DepthStrip<'_>,
@@ -140,7 +140,7 @@ pub(super) fn views(scene: &Scene, kind: &ShadowKind) -> Vec<FaceView> {
     }
 }
 
-/// A near plane that cuts nothing off which is not about in the light: reversed float depth loses nothing by it.
+/// A near plane so close that only surfaces almost at the light are cut off. Reversed float depth loses no precision by it.
 fn nearness(scene: &Scene, light: DVec3) -> f64 {
     let farthest = world_positions(scene)
         .map(|p| (p - light).length_squared())

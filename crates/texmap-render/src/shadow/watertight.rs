@@ -1,11 +1,11 @@
-//! Closed meshes: which of their sides a shadow map leaves out, and whether a light stands inside of one.
+//! Watertight meshes: the sides of their faces that a shadow map leaves out.
 
 use texmap_light::ShadowKind;
 use texmap_raster::Cull;
 
 use texmap_scene::Mesh;
 
-/// Sides of a mesh's faces that a shadow map leaves out: the fronts of a closed mesh hide its backs.
+/// Sides of a mesh's faces that a shadow map leaves out. The fronts of a watertight mesh hide its backs.
 pub(super) fn hidden_sides(mesh: &Mesh, kind: &ShadowKind) -> Cull {
     let (ShadowKind::Directional {
         light_from_world, ..
@@ -37,10 +37,10 @@ mod tests {
     use texmap_math::glam::DMat4;
     use texmap_scene::Scene;
 
-    /// A closed mesh throws the shadow of an open one, mirrored too: texels at its outline may lie deeper, no other. The negative twin has
-    /// its fronts inwards.
+    /// A watertight mesh casts the shadow of an open one, mirrored too. Only texels at its outline may lie deeper. The negative twin
+    /// has its fronts inwards.
     #[test]
-    fn fronts_of_closed_meshes_throw_the_whole_shadow() {
+    fn fronts_of_watertight_meshes_cast_the_whole_shadow() {
         let spot = Light::spot([1.0; 3], [0.3, 4.0, 0.5], [0.0, -1.0, -0.1], 0.5, 0.7);
         let down = [0.1, -1.0, 0.2];
         let sun = Light::Directional {

@@ -24,7 +24,7 @@ pub(crate) struct Job<'a> {
 
 /// A block and the parts of the frame that it owns.
 pub(crate) struct Block<'r, 'a> {
-    /// In blocks, from the left and from the top.
+    /// Position in blocks, from the left and from the top.
     pub(super) column: u32,
     pub(super) row: u32,
     /// Empty if this pass has no color.
@@ -103,7 +103,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Draws a block and returns how many of its pixels are covered.
+    /// Draws a block and returns the number of its covered pixels.
     pub(crate) fn draw(&self, mut block: Block<'_, '_>, scratch: &mut Scratch) -> u64 {
         let color = block.take_color();
         if self.samples > 1 {

@@ -42,7 +42,7 @@ pub(crate) const ATTRIBUTES: [usize; texmap_raster::MAX_ATTRIBUTES] = {
     all
 };
 
-/// What all tiles of a pass share.
+/// Common data of all tiles of a pass.
 pub(crate) struct Context<'a> {
     pub(crate) plan: &'a Plan<'a>,
     /// The stages of each draw, and its encoded color where it is unlit and has no texture.
@@ -68,7 +68,7 @@ pub(crate) struct Painter {
     reuse: Vec<SampleReuse>,
     strays: Strays,
     shared: SampleSetup,
-    /// Of each block, a bit per pixel that is not all background.
+    /// A mask of each block with the pixels that are not all background.
     covered: Vec<u16>,
 }
 
@@ -86,7 +86,7 @@ struct Tile<'a> {
     blocks: &'a TileVisibility,
 }
 
-/// Where and how batches are stored.
+/// Buffer and mode in which batches are stored.
 struct Target<'a> {
     buffer: &'a mut TileBuffer,
     /// The buffer holds encoded pixels, else light.
@@ -164,7 +164,7 @@ impl Painter {
         }
     }
 
-    /// Paints without a tile buffer, where every pixel of a tile is an encoded texel; false, with nothing done, elsewhere.
+    /// Paints a tile in which every pixel is an encoded texel, without a tile buffer. False, with nothing done, for other tiles.
     fn paint_straight(&mut self, context: &Context<'_>, rows: &mut [&mut [u8]]) -> bool {
         let blocks = &self.samples[0].blocks;
         let exact = |draw: &u32| {
@@ -222,7 +222,7 @@ impl Painter {
         let (level, mode) = (context.plan.level, context.mode);
         let Sample { blocks, buffer } = &mut self.samples[0];
         let blended = blended(context.plan, blocks);
-        // Where nothing mixes, pixels can be encoded one by one.
+        // Without blending, pixels can be encoded one by one.
         let encoded = rows.is_some() && blended.is_none_or(|b| b.opaque);
         if !encoded {
             buffer.fill_light(context.background);
@@ -285,7 +285,7 @@ impl Painter {
         &self.resolved
     }
 
-    /// Of each block, the pixels that are not all background.
+    /// A mask of each block with the pixels that are not all background.
     pub(crate) fn covered(&self) -> &[u16] {
         &self.covered
     }

@@ -19,7 +19,7 @@ pub(super) struct SampleReuse {
 }
 
 impl SampleReuse {
-    /// Each sample shows what the first shows, in all pixels.
+    /// All samples show the fragment of the first, in all pixels.
     fn is_alike(&self) -> bool {
         self.by.iter().all(|by| by[0] == u16::MAX)
     }
@@ -125,7 +125,7 @@ impl Painter {
         }
     }
 
-    /// Where the tile shows one surface whose look-ups are finished pixels: false, with nothing done, elsewhere.
+    /// Paints a tile that shows one surface whose look-ups are finished pixels. False, with nothing done, for other tiles.
     fn paint_words(&mut self, context: &Context<'_>) -> bool {
         let Self {
             samples,
@@ -244,12 +244,12 @@ fn edge(context: &Context<'_>, samples: &[Sample], pixel: usize) -> u32 {
 /// Pixels of which a later sample shows another fragment than those before.
 #[derive(Default)]
 pub(super) struct Strays {
-    /// Places in the tile's blocks, a multiple of sixteen: the last is repeated.
+    /// Indices in the tile's blocks, a multiple of sixteen: the last is repeated.
     pixels: Vec<u32>,
     slots: Vec<u32>,
-    /// Of each, a bit per sample after the first that shows it.
+    /// For each pixel, a bit per sample after the first that shows its fragment.
     shown_by: Vec<u8>,
-    /// Sixteen a block.
+    /// Blocks of sixteen of these pixels.
     run: Vec<FragmentBlock>,
 }
 

@@ -17,7 +17,7 @@ pub(super) struct Sums {
 }
 
 impl Job<'_> {
-    /// Draws a block and returns how many of its pixels are covered.
+    /// Draws a block and returns the number of its covered pixels.
     pub(super) fn draw_supersampled(
         &self,
         block: Block<'_, '_>,

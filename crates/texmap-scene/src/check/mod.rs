@@ -59,7 +59,7 @@ impl Scene {
         }
     }
 
-    /// What is looked up along rays from one eye is not drawn in a parallel projection.
+    /// Error if a parallel projection shows parts that are looked up along rays from one eye.
     fn check_projection(&self) -> Result<(), SceneError> {
         if self.camera.lens.parallel_width.is_none() {
             return Ok(());

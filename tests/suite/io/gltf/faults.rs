@@ -297,7 +297,7 @@ fn bytes_without_files() {
     let scene =
         load_bytes(Path::new("any.glb"), bytes.clone(), &LoadOptions::default()).expect("a box");
     assert_eq!(scene.meshes[0].triangles.len(), 12);
-    // What a file is follows from its bytes.
+    // The bytes of a file tell its format.
     load_bytes(
         Path::new("any.gltf"),
         bytes.clone(),

@@ -105,7 +105,7 @@ fn ten_thousand_mutants_are_read_or_refused() {
         };
         let outcome = match load(Path::new("a.gltf"), &options) {
             Ok(scene) => {
-                // What is read can be checked, which looks at every vertex and index.
+                // A scene that was read can be checked, which looks at every vertex and index.
                 let _ = scene.check();
                 "read"
             }

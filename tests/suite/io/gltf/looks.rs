@@ -113,7 +113,7 @@ fn alpha_modes_and_the_order_of_drawing() {
     );
     assert!(material(&scene, "unlit").metallic_roughness.is_none());
     assert_eq!(scene.textures.len(), 2, "one picture in two uses");
-    // Where alpha is nothing the opaque texture still has its colour.
+    // The opaque texture has its colour also where alpha is 0.
     let corner = |name: &str| {
         scene.textures[base(material(&scene, name)).texture]
             .texel(0, 0, 0)

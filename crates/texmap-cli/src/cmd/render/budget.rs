@@ -1,4 +1,4 @@
-//! `--max-error`, `--quality`, `--explain`, `--verify`: what the planner chose, and what the picture is really off by.
+//! The planner's choice and the true error of the picture: `--max-error`, `--quality`, `--explain`, `--verify`.
 
 use std::fmt::Write;
 use std::str::FromStr;
@@ -52,7 +52,7 @@ pub(crate) enum Quality {
     Draft,
     /// 0.5 texels and 0.02
     Good,
-    /// What the scene says, without a planner
+    /// The methods of the scene, without a planner
     Exact,
 }
 
@@ -146,7 +146,7 @@ pub(crate) struct TruthReport {
     shadow_edge_pixels: usize,
     shadow_edge_rmse: f64,
     samples: u32,
-    /// What the reference takes for true.
+    /// Assumptions of the reference.
     assumes: &'static str,
     pub(crate) heat: Option<String>,
 }
@@ -314,7 +314,7 @@ impl TruthReport {
         )
     }
 
-    /// What to say where the error is larger than a budget allows.
+    /// Message for an error that is larger than the budget of a plan.
     pub(crate) fn over(&self, plan: &PlanReport) -> Option<String> {
         (self.rmse > plan.max_rmse).then(|| {
             format!(

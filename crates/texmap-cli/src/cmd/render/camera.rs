@@ -14,7 +14,7 @@ use crate::cmd::render::RenderArgs;
 use crate::failure::{Exit, Failure};
 use crate::values::{self, Triple};
 
-/// How the camera stands, and how many pictures there are.
+/// Position and direction of the camera, and the number of pictures.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct CameraArgs {
@@ -28,10 +28,10 @@ pub(crate) struct CameraArgs {
     /// The axis of the model that points up: y, z, or auto (z for .stl, y for all others)
     #[arg(long, value_name = "AXIS", default_value = "auto")]
     up: UpAxis,
-    /// A parallel projection: what is farther is not smaller
+    /// A parallel projection: size does not depend on distance
     #[arg(long, conflicts_with_all = ["verify", "intrinsics", "path"])]
     orthographic: bool,
-    /// Where the camera stands
+    /// Position of the camera
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     camera_eye: Option<Triple>,
     /// The point that the camera looks at
@@ -145,14 +145,14 @@ impl FromStr for Quad {
     }
 }
 
-/// The files that say where cameras stand, read.
+/// The contents of the files of cameras.
 #[derive(Debug, Default)]
 pub(crate) struct CameraFiles {
     walk: Option<CameraPath>,
     list: Option<CameraList>,
 }
 
-/// A camera and what it is called in names of files.
+/// A camera and its name in names of files.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Shot {
     pub(crate) name: Option<String>,
@@ -169,7 +169,7 @@ impl CameraArgs {
         })
     }
 
-    /// The walk as well.
+    /// The walk is read as well.
     pub(crate) fn walk(
         &self,
         files: &FileSource,
@@ -182,7 +182,7 @@ impl CameraArgs {
         })
     }
 
-    /// Whether the command line says where the camera stands.
+    /// True if the command line sets the camera.
     pub(crate) fn is_placed(&self) -> bool {
         let points = [self.camera_eye, self.camera_look, self.camera_up];
         points.iter().any(Option::is_some)
@@ -364,7 +364,7 @@ fn parallel(scene: &Scene, camera: Camera) -> Camera {
     }
 }
 
-/// Whether an input is a scene, with a camera and lights of its own, and no bare model.
+/// True if an input is a scene, with a camera and lights of its own, and not a model.
 pub(crate) fn is_scene(input: &Path) -> bool {
     let ending = input.extension().and_then(|e| e.to_str());
     ending.is_some_and(|e| e.eq_ignore_ascii_case("scene"))

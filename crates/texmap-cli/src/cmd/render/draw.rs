@@ -31,7 +31,7 @@ use crate::output::{Destination, Stage};
 use crate::progress::Progress;
 use crate::values::AovArg;
 
-/// Draws everything that one input gives: a picture, a contact sheet, a series or an animation. `file` is what the input is read from.
+/// Draws all pictures of one input: a picture, a contact sheet, a series or an animation. The input is read from `file`.
 pub(crate) fn item(
     args: &RenderArgs,
     item: &Item,
@@ -156,12 +156,12 @@ pub(super) struct Context<'a> {
     pub(super) placed: bool,
     /// Milliseconds that loading took.
     pub(super) load: f64,
-    /// Warnings said so far: the frames of a walk repeat them.
+    /// Warnings printed so far: the frames of a walk repeat them.
     pub(super) told: RefCell<BTreeSet<String>>,
 }
 
 impl Context<'_> {
-    /// The frame, and what the planner chose for it if there is a budget.
+    /// The frame, and the planner's choice for it if there is a budget.
     /// `light` asks for the colours before they are encoded.
     pub(super) fn draw(
         &self,
@@ -176,7 +176,7 @@ impl Context<'_> {
         let choices = match self.args.budget() {
             None => None,
             Some(budget) => {
-                // What the command line says of samples is not the planner's choice.
+                // Samples that the command line sets are not the planner's choice.
                 let samples = match (self.args.supersample, self.args.msaa) {
                     (Some(n), _) => &[n][..],
                     (None, None | Some(1)) => &[1, 2, 4],
@@ -364,7 +364,7 @@ impl Context<'_> {
         report.times_ms = Some(times);
     }
 
-    /// The line that says what was drawn and how long it took, and the warnings.
+    /// The line with the drawn picture and its time, and the warnings.
     fn tell(&self, report: &ItemReport, times: &TimesReport) {
         for warning in &report.warnings {
             if !self.told.borrow_mut().insert(warning.clone()) {
@@ -408,7 +408,7 @@ impl Context<'_> {
         )
     }
 
-    /// The output, unless this is a dry run, which says what would be drawn instead.
+    /// The output, unless this is a dry run, which prints its plan instead.
     pub(super) fn to_draw<'o>(
         &self,
         report: &mut ItemReport,

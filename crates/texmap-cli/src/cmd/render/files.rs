@@ -19,7 +19,7 @@ use crate::failure::{Exit, Failure};
 use crate::output::{Destination, Stage};
 
 impl Context<'_> {
-    /// One picture, alone or as number, of how many, of a series.
+    /// One picture, alone or as a number of a series of a given length.
     pub(super) fn picture(
         &self,
         scene: &Scene,
@@ -200,7 +200,7 @@ impl Context<'_> {
         Ok(frame)
     }
 
-    /// Says what a picture shows, and warns where that is hardly meant.
+    /// Reports the contents of a picture, and warns if it shows little.
     fn look_at(&self, report: &mut ItemReport, scene: &Scene, frame: &Frame) {
         if self.args.json {
             report.pictures.push(PictureReport::new(scene, frame));
@@ -232,7 +232,7 @@ impl Context<'_> {
         }
     }
 
-    /// How a picture is stored, by its name.
+    /// Storage of a picture, by its name.
     fn store(&self, output: &Path, scene: &Scene) -> Store {
         Store {
             format: PictureFormat::of(output).unwrap_or(PictureFormat::Png),

@@ -74,7 +74,7 @@ fn listed(list: &Path, files: &FileSource) -> Result<Vec<PathBuf>, Failure> {
     }
 }
 
-/// Standard input as a file whose ending says what it holds.
+/// Standard input as a file with the ending of its format.
 fn from_stdin() -> Result<(TempDir, PathBuf), Failure> {
     let refused = |e: io::Error| {
         Failure::new(
@@ -102,7 +102,7 @@ fn from_stdin() -> Result<(TempDir, PathBuf), Failure> {
     Ok((folder, file))
 }
 
-/// The ending of names of files that hold this.
+/// The name ending of files with these contents.
 fn ending(bytes: &[u8]) -> &'static str {
     let text = bytes.trim_ascii_start();
     let first = text.split(|b| b.is_ascii_whitespace()).next();

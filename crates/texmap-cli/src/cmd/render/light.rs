@@ -79,8 +79,8 @@ fn tone_map(text: &str) -> Result<ToneMap, String> {
 }
 
 impl LightArgs {
-    /// Lights a scene, after it was dressed; `scene_file`: it has the light that it says; `floats`: it is written as light without an
-    /// upper end, which no curve may bend unless one is asked for.
+    /// Lights a scene that has its look. `scene_file`: the scene keeps its own light. `floats`: the picture is written as light without an
+    /// upper end, which no tone mapping changes unless one is asked for.
     pub(crate) fn light(
         &self,
         scene: &mut Scene,
@@ -104,7 +104,7 @@ impl LightArgs {
                 if !scene_file && scene.effects.environment_light.is_none() {
                     scene.effects.environment_light = Some(EnvironmentLight::studio());
                     scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
-                    // Those of the loader, which stand in for light from all around.
+                    // The lights of the loader, which replace light from all around.
                     if scene.lights == auto_lights(up) {
                         scene.lights.clear();
                     }
@@ -139,7 +139,7 @@ impl LightArgs {
             None if floats => scene.effects.tone_mapping.map = ToneMap::None,
             None => {}
         }
-        // A model is never dark for want of light.
+        // A model without lights is not dark.
         if !scene_file && scene.lights.is_empty() && needs_lights(scene) {
             scene.lights = auto_lights(up);
         }
@@ -222,7 +222,7 @@ mod tests {
         classic.light(&mut scene, false, false, Up::Y).unwrap();
         assert_eq!(scene.lights, auto_lights(Up::Y));
         assert!(scene.effects.environment_light.is_none());
-        // A scene keeps its darkness.
+        // A dark scene stays dark.
         let mut dark = model();
         dark.lights.clear();
         args().light(&mut dark, true, false, Up::Y).unwrap();

@@ -1,4 +1,4 @@
-//! What surfaces look like in place of what the input says.
+//! The look of surfaces, instead of that of the input.
 
 use std::path::PathBuf;
 
@@ -46,7 +46,7 @@ enum Look {
 }
 
 impl LookArgs {
-    /// Dresses a scene, with a warning for what has no use.
+    /// Gives a scene its look, with a warning for options that change nothing.
     pub(crate) fn dress(&self, scene: &mut Scene) -> Result<(), Failure> {
         if let Some(path) = &self.texture {
             let space = match scene.color {

@@ -34,7 +34,7 @@ mod write;
 /// Draw scenes and models as pictures.
 ///
 /// A model without a camera is seen from the front, right and above, fills 90 % of the picture, and has four samples a pixel.
-/// A scene has the camera and the samples that it says.
+/// A scene has its own camera and samples.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct RenderArgs {
@@ -64,10 +64,10 @@ pub(crate) struct RenderArgs {
     /// predicted error is at most this many texels and this colour RMSE (of 1; 0.02 if not given)
     #[arg(long, value_name = "TEXELS[,RMSE]", conflicts_with_all = ["interp", "filter", "quality"])]
     max_error: Option<MaxError>,
-    /// The same by name
+    /// The error budget by name
     #[arg(long, value_name = "NAME", conflicts_with_all = ["interp", "filter"])]
     quality: Option<Quality>,
-    /// Print what the planner chose, why, and what it left out
+    /// Print the planner's choices with their reasons, and the things that it left out
     #[arg(long)]
     explain: bool,
     /// Compute the f64 reference too (slow; 6 x 6 samples a pixel, hard shadows by rays) and report the true error outside of outlines
@@ -127,7 +127,7 @@ pub(crate) struct RenderArgs {
     /// Warnings are errors: nothing is written of an input that has one, and the exit code is 4
     #[arg(long)]
     strict: bool,
-    // Last: their headings would go on over what follows.
+    // Last: their headings would continue over later arguments.
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
@@ -168,7 +168,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
         }
     }
     let over = reports.iter().any(ItemReport::over_budget);
-    // What was promised and is not true.
+    // Budgets that a plan promised and the true error exceeds.
     let broken = reports.iter().any(ItemReport::breaks_budget);
     let exit = match failures.first() {
         None if over => Exit::OverBudget,

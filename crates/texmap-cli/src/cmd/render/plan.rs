@@ -1,4 +1,4 @@
-//! Which input becomes which file; everything that can be refused before a scene is read.
+//! Inputs and their output files; checks of everything that can be refused before a scene is read.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -13,7 +13,7 @@ use crate::formats::{self, Output};
 use crate::os_name;
 use crate::output::{Destination, Stage, distinct};
 
-/// One input and what it becomes.
+/// One input and its outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Item {
     pub(crate) input: PathBuf,
@@ -22,7 +22,7 @@ pub(crate) struct Item {
     pub(crate) kind: Kind,
 }
 
-/// How the pictures of an input are kept.
+/// Files of the pictures of an input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// One picture.
@@ -45,7 +45,7 @@ impl Item {
     }
 }
 
-/// The name of frame `n`, if the name has a place for it: `%04d`.
+/// The name of frame `n`, if the name has a number field such as `%04d`.
 pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
     let name = os_name::bytes(output.as_os_str());
     let place = find_counter(&name)?;
@@ -54,7 +54,7 @@ pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
     Some(os_name::of_bytes(parts.concat()).into())
 }
 
-/// Names all outputs and checks them: endings, numbers, twins, and that each can be written. `shots` are the names of the pictures of
+/// Names all outputs and checks them: endings, numbers, duplicates, and that each can be written. `shots` are the names of the pictures of
 /// each input, if there are several.
 pub(crate) fn items(
     args: &RenderArgs,
@@ -115,7 +115,7 @@ pub(crate) fn array_name(picture: &Path, aov: &str) -> PathBuf {
     picture.with_extension(format!("{aov}.npy"))
 }
 
-/// `room.png` gives `room.heat.png`: where its errors are.
+/// `room.png` gives `room.heat.png`, the map of its errors.
 pub(crate) fn heat_name(picture: &Path) -> PathBuf {
     picture.with_extension("heat.png")
 }
@@ -149,7 +149,7 @@ pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
         + pixels * (8 * pictures + arrays as u64)
 }
 
-/// Where the name of an input, its folder, the number and the name of a picture stand in the name of an output.
+/// Placeholders in the name of an output: name of the input, its folder, number and name of a picture.
 const MODEL: &str = "{model}";
 const DIR: &str = "{dir}";
 const NUMBER: &str = "{n}";
@@ -209,7 +209,7 @@ fn holds(name: &Path, word: &str) -> bool {
         .any(|part| part == word.as_bytes())
 }
 
-/// How the pictures of an input are kept, by the name of its output.
+/// Files of the pictures of an input, by the name of its output.
 fn kind(
     args: &RenderArgs,
     output: Option<&Path>,
@@ -280,7 +280,7 @@ fn picture_name(
     Ok(os_name::replaced(&name, VIEW, OsStr::new(view)).into())
 }
 
-/// Refuses what standard output cannot take beside or in place of one picture.
+/// Refuses outputs that standard output cannot take beside or instead of one picture.
 fn check_stdout(args: &RenderArgs, kind: &Kind, output: &Path) -> Result<(), Failure> {
     if output != Path::new("-") {
         return Ok(());
@@ -302,7 +302,7 @@ fn check_stdout(args: &RenderArgs, kind: &Kind, output: &Path) -> Result<(), Fai
     })
 }
 
-/// Where `%d` or `%04d` stands in a name and how many digits it asks for.
+/// Position of `%d` or `%04d` in a name and its number of digits.
 struct Counter {
     start: usize,
     end: usize,

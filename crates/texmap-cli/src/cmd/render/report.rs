@@ -44,7 +44,7 @@ impl Report {
     }
 }
 
-/// What was asked for; `null` where the scene decides.
+/// Settings of the command line; `null` where the scene decides.
 #[derive(Debug, Serialize)]
 struct SettingsReport {
     width: u32,
@@ -101,7 +101,7 @@ pub(crate) struct ItemReport {
     /// Samples of coverage and depth a pixel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) msaa: Option<u32>,
-    /// What is seen; one for each cell of a contact sheet and each frame of an animation.
+    /// Contents of the pictures; one for each cell of a contact sheet and each frame of an animation.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) pictures: Vec<PictureReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -113,7 +113,7 @@ pub(crate) struct ItemReport {
     /// Estimate of the largest memory in use while drawing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) memory_bytes: Option<u64>,
-    /// What the planner chose; one for each cell of a contact sheet.
+    /// Choices of the planner; one for each cell of a contact sheet.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) plans: Vec<PlanReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -135,18 +135,18 @@ impl ItemReport {
 }
 
 impl ItemReport {
-    /// Whether a plan could not keep its budget.
+    /// True if a plan could not keep its budget.
     pub(crate) fn over_budget(&self) -> bool {
         self.plans.iter().any(|plan| !plan.met)
     }
 
-    /// Whether the true error is over a budget that the plan promised to keep.
+    /// True if the true error is over a budget that the plan promised to keep.
     pub(crate) fn breaks_budget(&self) -> bool {
         let truth = self.truth.as_ref();
         truth.is_some_and(|truth| self.plans.iter().any(|plan| truth.over(plan).is_some()))
     }
 
-    /// What a dry run says.
+    /// Text of a dry run.
     pub(crate) fn plan(&self, args: &RenderArgs) -> String {
         let size = args.resolution;
         let scene = self
@@ -231,7 +231,7 @@ pub(crate) struct SceneReport {
     lights: usize,
     color: &'static str,
     background: [f32; 4],
-    /// Where v = 0 lies in the meshes' coordinates and in the `uv` array: `top-left`, `bottom-left` or `mixed`.
+    /// Origin (v = 0) of the meshes' coordinates and the `uv` array: `top-left`, `bottom-left` or `mixed`.
     uv_origin: &'static str,
 }
 
@@ -348,6 +348,6 @@ pub(crate) struct AovReport {
     /// Height, width, channels.
     pub(crate) shape: [usize; 3],
     pub(crate) dtype: &'static str,
-    /// What stands where nothing was drawn.
+    /// Value of pixels without a surface.
     pub(crate) hole: &'static str,
 }

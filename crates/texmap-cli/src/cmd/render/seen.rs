@@ -1,4 +1,4 @@
-//! What a finished picture shows, in numbers, and warnings where that is hardly meant.
+//! Contents of a finished picture in numbers, and warnings about pictures that show little.
 
 use serde::Serialize;
 use texmap_math::color::srgb8_to_linear;
@@ -10,7 +10,7 @@ use texmap_scene::{ColorMode, Scene};
 /// A picture in numbers.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct PictureReport {
-    /// Share of the pixels in which a surface is seen.
+    /// Fraction of the pixels in which a surface is seen.
     coverage: f64,
     /// Mean of red, green, blue (stored values, 0 to 1, weighed by alpha in linear light) and alpha.
     mean_color: [f64; 4],

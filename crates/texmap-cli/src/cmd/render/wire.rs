@@ -37,7 +37,7 @@ struct Lines {
     size: [usize; 2],
     /// Depth that a line needs to be seen at a pixel.
     behind: Vec<f32>,
-    /// Share of each pixel that lines cover.
+    /// Fraction of each pixel that lines cover.
     cover: Vec<f32>,
 }
 
@@ -55,12 +55,12 @@ impl Lines {
 
     fn edge(&mut self, mut a: DVec4, mut b: DVec4) {
         // In front of the near plane, where w is above 0 as well.
-        let room = |p: DVec4| p.w - p.z;
-        match (room(a) >= 0.0, room(b) >= 0.0) {
+        let distance = |p: DVec4| p.w - p.z;
+        match (distance(a) >= 0.0, distance(b) >= 0.0) {
             (false, false) => return,
             (true, true) => {}
             (inside, _) => {
-                let t = room(a) / (room(a) - room(b));
+                let t = distance(a) / (distance(a) - distance(b));
                 let cut = a + (b - a) * t;
                 *(if inside { &mut b } else { &mut a }) = cut;
             }

@@ -1,4 +1,4 @@
-//! A finished frame as a file of the format that its name says.
+//! A finished frame as a file, in the format of the file's name.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use texmap_scene::ColorMode;
 use crate::failure::Failure;
 use crate::formats;
 
-/// A format, the bits of a channel, and how colours are stored.
+/// A format, the bits of a channel, and the encoding of colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Store {
     pub(crate) format: PictureFormat,
@@ -22,12 +22,12 @@ pub(crate) struct Store {
 }
 
 impl Store {
-    /// Whether the frame must have [`Aov::Color`]: eight bits do not hold what the file does.
+    /// True if the frame must have [`Aov::Color`], as eight bits do not hold the values of the file.
     pub(crate) fn reads_light(self) -> bool {
         matches!(self.format, PictureFormat::Hdr | PictureFormat::Exr) || self.bits == 16
     }
 
-    /// Whether arrays lie in the file and not beside it.
+    /// True if arrays lie in the file and not beside it.
     pub(crate) fn holds_arrays(self) -> bool {
         self.format == PictureFormat::Exr
     }
@@ -77,7 +77,7 @@ impl Store {
                     out.write_all(&row)
                 })
         })?;
-        // Light above white is what a picture of whole numbers cuts off by its nature, as the 8-bit PNG does.
+        // A picture of whole numbers always cuts light above white off, as the 8-bit PNG does.
         if self.format != PictureFormat::Hdr {
             (lost.above, lost.below) = (0, 0);
         }

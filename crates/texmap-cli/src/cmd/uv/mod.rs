@@ -1,4 +1,4 @@
-//! `texmap uv`: texture coordinates for an OBJ, and a report on the ones it has.
+//! `texmap uv`: texture coordinates for an OBJ, and a report on its present ones.
 
 mod pictures;
 pub(super) mod source;
@@ -31,23 +31,23 @@ use crate::values::Triple;
 pub(crate) struct UvArgs {
     /// An OBJ file
     mesh: PathBuf,
-    /// Where to write the OBJ with the new coordinates
+    /// The OBJ to write, with the new coordinates
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// How to find new coordinates
+    /// Method that computes new coordinates
     #[arg(long)]
     map: Option<Map>,
-    /// What the shape maps
+    /// Vectors that the shape maps
     #[arg(long, default_value = "position")]
     by: By,
     /// Position of the eye, for --by reflection
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     eye: Option<Triple>,
-    /// Where the shape stands: position, yaw, pitch and roll in degrees, size; fitted to the mesh by default (a plane turns to
+    /// Frame of the shape: position, yaw, pitch and roll in degrees, size; fitted to the mesh by default (a plane turns to
     /// a flat surface, else it looks along z, or along y or x where that sees the surface more than twice as squarely)
     #[arg(long, value_name = "PX,PY,PZ,YAW,PITCH,ROLL,SX,SY,SZ", value_parser = list::<9>, allow_hyphen_values = true)]
     frame: Option<List<9>>,
-    /// How often the picture repeats on each part of the shape
+    /// Repetitions of the picture on each part of the shape
     #[arg(long, value_name = "U,V", value_parser = list::<2>, allow_hyphen_values = true)]
     repeat: Option<List<2>>,
     /// Size of one picture in object units, for --map plane by position
@@ -62,13 +62,13 @@ pub(crate) struct UvArgs {
     /// Cut where faces meet at more than this many degrees
     #[arg(long, value_name = "DEGREES")]
     cut_angle: Option<f64>,
-    /// Sew shells together along edges: a file as for --cut, in order
+    /// Sew islands together along edges: a file as for --cut, in order
     #[arg(long, value_name = "FILE")]
     sew: Option<PathBuf>,
-    /// Pack the shells into a page of this many texels, all at one density (auto and unwrap always pack: 1024)
+    /// Pack the islands into an atlas of this many texels a side, at one density (auto and unwrap always pack: 1024)
     #[arg(long, value_name = "SIZE", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pack: Option<u32>,
-    /// Texels between packed shells
+    /// Texels between packed islands
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=4_096))]
     gutter: u32,
     /// Write the tangent of every corner (x, y, z, sign) as .npy
@@ -91,7 +91,7 @@ pub(crate) struct UvArgs {
     pub(crate) json: bool,
 }
 
-/// How coordinates are found.
+/// Methods that compute coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Map {
     Plane,
@@ -99,13 +99,13 @@ enum Map {
     Cone,
     Sphere,
     Box,
-    /// Six planes, by the direction that each face looks, packed
+    /// Six planes, by the direction of each face, packed
     Auto,
-    /// Charts of low distortion, packed
+    /// Islands of low distortion, packed
     Unwrap,
 }
 
-/// What a shape maps.
+/// Vectors that a shape maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum By {
     Position,
@@ -300,14 +300,14 @@ fn coordinates(
     cuts: &SeamEdges<'_>,
     seams: &[[u32; 2]],
 ) -> Result<(UvSet, Vec<u32>), UvError> {
-    let page = AtlasSize {
+    let atlas = AtlasSize {
         size: args.pack.unwrap_or(1024),
         gutter: args.gutter,
     };
     let (mut set, mut around) = match args.map {
-        Some(Map::Auto) => (auto_planes(mesh, page, Origin::BottomLeft)?, Vec::new()),
+        Some(Map::Auto) => (auto_planes(mesh, atlas, Origin::BottomLeft)?, Vec::new()),
         Some(Map::Unwrap) => (
-            unwrap(mesh, cuts, page, Origin::BottomLeft, &|_, _| {
+            unwrap(mesh, cuts, atlas, Origin::BottomLeft, &|_, _| {
                 ControlFlow::Continue(())
             })?,
             Vec::new(),
@@ -329,7 +329,7 @@ fn coordinates(
     if args.pack.is_some()
         && (cutting || !seams.is_empty() || !matches!(args.map, Some(Map::Auto | Map::Unwrap)))
     {
-        set = pack(mesh, &set, page)?;
+        set = pack(mesh, &set, atlas)?;
     }
     if !args.fix_seams {
         around.clear();

@@ -20,7 +20,7 @@ pub(super) const NAMES: [&str; 4] = ["checker.png", "heat.png", "layout.png", "l
 /// Edge of each picture.
 const SIZE: u32 = 512;
 
-/// Writes `checker.png`, `heat.png`, `layout.png` and `layout.svg`; what was written, a line each.
+/// Writes `checker.png`, `heat.png`, `layout.png` and `layout.svg`; gives a line for each file written.
 pub(super) fn draw(
     folder: &Path,
     mesh: &Mesh<'_>,

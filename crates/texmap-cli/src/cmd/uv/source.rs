@@ -1,4 +1,4 @@
-//! An OBJ file and the words for what is wrong with it.
+//! An OBJ file and the messages of its faults.
 
 use std::path::Path;
 
@@ -84,7 +84,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// The failure with file and line, and what to try.
+    /// The failure with file, line and a remedy.
     pub(in crate::cmd) fn fault(&self, error: &UvError) -> Failure {
         let line = match error {
             UvError::NotFinite { face, .. }

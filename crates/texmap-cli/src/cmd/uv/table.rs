@@ -70,7 +70,7 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
         ),
     );
     row("picture used", format!("{:.1} %", 100.0 * r.picture_area));
-    row("shells", r.islands.to_string());
+    row("islands", r.islands.to_string());
     row(
         "seams",
         format!(
@@ -90,7 +90,7 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
             ""
         };
         row(
-            "T-joints",
+            "T-junctions",
             format!(
                 "{least}{} vertices inside an edge of another face",
                 r.t_junctions.list.len()

@@ -42,7 +42,7 @@ pub(super) struct Builder {
     pub(super) bones: Bones,
     /// Vertices and faces of the file that is read.
     facets: Facets,
-    /// What a `name` line is for.
+    /// The light, faces or model that a `name` line names.
     pub(super) added: Added,
     /// Effects that some face has in vain, reported once each.
     reported: Vec<(&'static str, &'static str)>,
@@ -82,7 +82,7 @@ impl Builder {
         Ok((self.scene, self.textures))
     }
 
-    /// All statements of a file. What it sets ends with it; what it draws, its lights and its camera stay.
+    /// All statements of a file. Its settings end with it; its meshes, lights and camera stay.
     pub(super) fn file(&mut self, tree: &Tree) -> Result<(), IoError> {
         let settings = self.settings.clone();
         let outer = std::mem::take(&mut self.facets);
@@ -319,7 +319,7 @@ impl Builder {
             }
         }
         let materials = &mut self.scene.materials;
-        // Faces of one kind follow each other, so the end is the place to look first.
+        // Faces of one kind follow each other, so the search begins at the end.
         match materials.iter().rposition(|m| *m == material) {
             Some(index) => index,
             None => {
@@ -331,7 +331,7 @@ impl Builder {
 }
 
 impl Builder {
-    /// Whether the texels of a material hide the surface under them.
+    /// True if the texels of a material hide the surface under them.
     fn is_covered(&self, material: &Material) -> bool {
         let Some(slot) = &material.base_color else {
             return false;
@@ -341,7 +341,7 @@ impl Builder {
             && !(material.alpha == AlphaMode::Opaque && clear)
     }
 
-    /// Warns of an effect that what this line draws does not show, the first time.
+    /// Warns, the first time, of an effect that the meshes of a line do not show.
     fn tell(&mut self, location: &SourceLocation, effect: &'static str, why: &'static str) {
         if self.reported.contains(&(effect, why)) {
             return;

@@ -116,7 +116,7 @@ impl Builder {
         }
     }
 
-    /// What `disp` says.
+    /// The displacement of an MTL `disp` line.
     fn described_displacement(&self, m: &obj::Material) -> Option<Displacement> {
         let (map, height) = m.displacement.as_ref()?;
         let slot = self

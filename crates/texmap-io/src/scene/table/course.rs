@@ -15,14 +15,14 @@ pub(super) const SPECS: &[Spec] = &[
         word: "eye",
         args: &[Numbers("x y z", any)],
         default: "0 0 -10",
-        help: "where the eye is",
+        help: "the position of the eye",
         set: Plain(|b, line| b.set_camera(line, |camera, line| camera.eye = line.numbers().into())),
     },
     Spec {
         word: "look",
         args: &[Numbers("x y z", any)],
         default: "0 0 0",
-        help: "the point it looks at (not a direction)",
+        help: "the point that the camera looks at (not a direction)",
         set: Plain(|b, line| {
             b.set_camera(line, |camera, line| camera.look = line.numbers().into());
         }),
@@ -31,7 +31,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "up",
         args: &[Numbers("x y z", direction)],
         default: "0 1 0",
-        help: "what is up",
+        help: "the up direction",
         set: Plain(|b, line| b.set_camera(line, |camera, line| camera.up = line.numbers().into())),
     },
     Spec {

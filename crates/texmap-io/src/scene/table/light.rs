@@ -1,4 +1,4 @@
-//! Lights, shadows, projectors, environments, and what surfaces do with light.
+//! Lights, shadows, projectors, environments, and effects of light on surfaces.
 
 use texmap_light::{EnvironmentLayout, Light, SpecularModel};
 
@@ -15,7 +15,7 @@ use crate::scene_file::grammar::{
 };
 use crate::textures::Content;
 
-/// How a picture shows all directions.
+/// The layout of an environment in a picture.
 pub(super) const LAYOUT: crate::scene_file::grammar::Arg = Method(
     "LAYOUT",
     || {
@@ -115,14 +115,14 @@ pub(super) const SPECS: &[Spec] = &[
             ]),
         ],
         default: "black, soft 0, color 1 1 1",
-        help: "adds a slide projector at x y z that looks at lx ly lz with ux uy uz up and this horizontal field of view and the slide's own aspect",
+        help: "adds a projector at x y z that looks at lx ly lz with ux uy uz up, with this horizontal field of view and the aspect of its picture",
         set: Fallible(lights::projector),
     },
     Spec {
         word: "highlight",
         args: &[OneOf(&["phong", "blinn"])],
         default: "phong",
-        help: "setting: how highlights fall off: `(V.R)^ns` (the lecture's), or `(N.H)^ns`",
+        help: "setting: the falloff of highlights, `(V.R)^ns` (Phong) or `(N.H)^ns` (Blinn)",
         set: Plain(|b, line| {
             b.settings.effects.highlight = match line.takes("blinn") {
                 true => SpecularModel::Blinn,
@@ -142,7 +142,7 @@ pub(super) const SPECS: &[Spec] = &[
             &[OneOf(&["none"])],
         ])],
         default: "none, without mips",
-        help: "setting: surfaces mirror this share of an environment; PNG and JPEG are sRGB, HDR and EXR linear light, below 0 too. With `mips` a pixel that mirrors many texels reads their mean",
+        help: "setting: surfaces reflect this share of an environment; PNG and JPEG are sRGB, HDR and EXR linear light, below 0 too. With `mips` a pixel that reflects many texels reads their mean",
         set: Fallible(environments::reflection),
     },
     Spec {
@@ -263,7 +263,7 @@ pub(super) const SPECS: &[Spec] = &[
             &[OneOf(&["none"])],
         ])],
         default: "none; 12 around, 4 octaves, fold 0 (waves), 1 (marble), 0.2 (wood)",
-        help: "setting: bumps by a formula of the place, with its origin at x y z and a unit of sx sy sz. `waves` run in cylindrical space: N around the y axis and one a unit along it. No coordinates are needed",
+        help: "setting: bumps by a formula of the position, with its origin at x y z and a unit of sx sy sz. `waves` run in cylindrical space: N around the y axis and one a unit along it. No coordinates are needed",
         set: Fallible(|b, line| b.set_relief(line, effects::carved)),
     },
     Spec {
@@ -300,7 +300,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "horizon",
         args: &[OneOf(&["clamp", "open"])],
         default: "clamp",
-        help: "setting: normals that a relief turns away from the eye are brought back to the horizon, or stay as dark or bright as the far side of the relief",
+        help: "setting: normals that normal detail turns away from the eye are brought back to the horizon, or keep the light of the side that faces away",
         set: Plain(|b, line| b.settings.effects.horizon_open = line.takes("open")),
     },
 ];

@@ -41,7 +41,7 @@ pub(super) const SPECS: &[Spec] = &[
             &[OneOf(&["none"])],
         ])],
         default: "none; 4 octaves, fold 1 (marble), 0.2 (wood)",
-        help: "setting: later faces without a covering texture are carved out of this. A FILE is a grid whose box has its middle at x y z and is sx sy sz large; a pattern has its origin at x y z and a unit of sx sy sz",
+        help: "setting: later faces without a covering texture take their colour from this procedural or three-dimensional texture. A FILE is a grid whose box has its middle at x y z and is sx sy sz large; a pattern has its origin at x y z and a unit of sx sy sz",
         set: Fallible(materials::solid),
     },
     Spec {
@@ -113,7 +113,7 @@ pub(super) const SPECS: &[Spec] = &[
             Options(&[&[OneOf(&["step"]), Floats("S", length)]]),
         ],
         default: "half a voxel",
-        help: "adds a box of matter with its middle at x y z: through a length L of density 1 shows exp(-density L) of what is behind",
+        help: "adds a box of matter with its middle at x y z; a length L of values of 1 transmits exp(-density L) of the light behind",
         set: Fallible(volumes::volume),
     },
 ];

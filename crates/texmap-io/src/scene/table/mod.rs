@@ -36,7 +36,7 @@ enum Set {
 }
 
 impl Spec {
-    /// Does what a line of this command says.
+    /// Applies a line of this command.
     pub(super) fn set(&self, builder: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError> {
         match self.set {
             Set::Plain(set) => set(builder, line),
@@ -118,7 +118,7 @@ pub fn commands() -> impl Iterator<Item = &'static Spec> {
     SECTIONS.iter().flat_map(|section| section.specs)
 }
 
-/// Words of earlier versions and the words that took their place; files that were written with them still load.
+/// Words of earlier versions and the words that replace them. Files that were written with the former still load.
 const EARLIER: [(&str, &str); 2] = [("carve", "procedural-bump"), ("round", "uv-projection")];
 
 /// The row of the table for a word, also one of an earlier version.
@@ -128,7 +128,7 @@ pub(crate) fn command(word: &str) -> Option<&'static Spec> {
     commands().find(|spec| spec.word == word)
 }
 
-/// The command that a word is a slip of the pen for.
+/// The command that a mistyped word stands for.
 pub(crate) fn nearest(word: &str) -> Option<&'static str> {
     let written = word.to_lowercase();
     // A word may be as long as a file: no command looks like one that is.
@@ -137,7 +137,7 @@ pub(crate) fn nearest(word: &str) -> Option<&'static str> {
     }
     let distances = commands().map(|spec| (strsim::levenshtein(&written, spec.word), spec.word));
     let (distance, nearest) = distances.min_by_key(|(distance, _)| *distance)?;
-    // One slip in a short word, two in a longer one.
+    // One mistyped character in a short word, two in a longer one.
     let allowed = if word.len() <= 4 { 1 } else { 2 };
     (distance <= allowed).then_some(nearest)
 }

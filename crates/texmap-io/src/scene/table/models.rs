@@ -54,7 +54,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "include",
         args: &[File],
         default: "",
-        help: "reads another scene file at this place",
+        help: "reads another scene file at this line",
         // The tree of files was read before; the builder passes through it.
         set: Nothing,
     },

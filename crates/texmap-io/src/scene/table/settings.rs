@@ -109,7 +109,7 @@ pub(super) const SPECS: &[Spec] = &[
             |text| words::parse_interp(text).is_some(),
         )],
         default: "perspective",
-        help: "`perspective`, `affine`, `subdivided:N`, `span:N`, `within:TOLERANCE` (texels): how coordinates run over a triangle",
+        help: "`perspective`, `affine`, `subdivided:N`, `span:N`, `within:TOLERANCE` (texels): the interpolation of coordinates over a triangle",
         set: Plain(|b, line| {
             b.settings.interp = words::parse_interp(line.name()).unwrap_or(b.settings.interp);
         }),
@@ -118,7 +118,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "cull",
         args: &[OneOf(&["none", "back", "front"])],
         default: "none",
-        help: "which side of faces is not drawn",
+        help: "the side of faces that is not drawn",
         set: Plain(|b, line| {
             b.settings.cull = match line.word() {
                 Some("back") => Cull::Back,
@@ -174,7 +174,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "gouraud",
         args: &[OneOf(&["screen", "perspective"])],
         default: "screen",
-        help: "how colours of `shade vertex` run over a triangle: linear on the screen (the lecture's way, with its seams at T-joints) or on the surface",
+        help: "the interpolation of the colours of `shade vertex` over a triangle: linear on the screen (as in the lectures, with seams at T-junctions) or on the surface",
         set: Plain(|b, line| {
             b.settings.gouraud = match line.takes("perspective") {
                 true => VertexColorInterp::Perspective,
@@ -186,7 +186,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "missing",
         args: &[OneOf(&["error", "checker", "grey", "warn"])],
         default: "error",
-        help: "what an absent map or material library is; a magenta and black checker or grey stands in for a map, with a warning (`warn` is `checker`)",
+        help: "the treatment of an absent map or material library: a magenta and black checker or grey replaces a map, with a warning (`warn` is `checker`)",
         set: Plain(|b, line| {
             let word = line.word().unwrap_or_default();
             let said = word.parse().unwrap_or(Missing::Checker);
