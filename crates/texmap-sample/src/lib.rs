@@ -59,6 +59,7 @@ pub mod reference;
 mod resample;
 mod rgba8;
 mod sampler;
+mod srgb_codes;
 mod summed_area;
 mod texel_data;
 mod texture;

@@ -4,11 +4,7 @@ use crate::{
     texel_data::{Chain, Format, Level, TexelData, Words, scaled},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
-use texmap_math::{
-    Level as SimdLevel, color, dispatch_simd,
-    lanes::GatherTable,
-    simd::{Isa, encode_srgb8, prelude::*},
-};
+use texmap_math::color;
 
 /// Encoding of light in colour channels. Alpha is always linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -232,31 +228,6 @@ impl<'a> Texture2d<'a> {
         }
     }
 
-    /// The sRGB codes of level 0 as the texels of a linear RGBA8 texture: nearest look-ups in it are the encodings of those in this
-    /// one. `None` unless texels are opaque and of 16 bits, as those of 8-bit sRGB images are.
-    #[must_use]
-    pub fn srgb8_codes(&self, level: SimdLevel) -> Option<Texture2d<'static>> {
-        let base = *self.chain.levels.first()?;
-        if self.chain.format != Format::Rgba16 || self.chain.encoded.is_some() || !self.chain.opaque
-        {
-            return None;
-        }
-        let count = base.width as usize * base.height as usize;
-        let texels = self.chain.words().get(base.offset..)?.get(..2 * count)?;
-        let mut codes = vec![0; count];
-        dispatch_simd!(level, i => encode_texels(i, texels, &mut codes));
-        Some(Texture2d {
-            chain: Chain {
-                words: Words::Owned(codes.into()),
-                encoded: None,
-                format: Format::Rgba8,
-                levels: vec![Level { offset: 0, ..base }],
-                flip: self.chain.flip,
-                opaque: true,
-            },
-        })
-    }
-
     /// The same texels with `v = 0` on the other row. Costs nothing.
     #[must_use]
     pub fn with_origin(mut self, origin: Origin) -> Self {
@@ -310,28 +281,6 @@ impl<'a> Texture2d<'a> {
         let scale = self.chain.format.scale();
         let texel = self.chain.fetch(l, x as i32, y as i32, 0);
         Some(scaled(texel, scale))
-    }
-}
-
-/// sRGB codes of opaque 16-bit texels.
-#[inline(always)]
-fn encode_texels<I: Isa>(i: I, texels: &[u32], codes: &mut [u32]) {
-    let Some(words) = GatherTable::new(texels) else {
-        return;
-    };
-    let (scale, half) = (Format::Rgba16.scale(), i.u32(0xffff));
-    for (k, codes) in codes.chunks_mut(I::LANES).enumerate() {
-        let first = 2 * (k * I::LANES) as i32;
-        let at = (i.iota() << 1) + first;
-        let [rg, b] = i.gather_pairs(words, at.to_u32());
-        let [r, g, b] = [rg & half, rg >> 16, b & half];
-        let word = encode_srgb8(i, r.to_i32().to_f32() * scale)
-            | (encode_srgb8(i, g.to_i32().to_f32() * scale) << 8)
-            | (encode_srgb8(i, b.to_i32().to_f32() * scale) << 16)
-            | i.u32(0xff00_0000);
-        let mut lanes = [0; 16];
-        word.store(&mut lanes);
-        codes.copy_from_slice(&lanes[..codes.len()]);
     }
 }
 
