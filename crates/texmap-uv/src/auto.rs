@@ -5,11 +5,12 @@ use alloc::vec::Vec;
 use texmap_math::glam::DVec3;
 
 use crate::islands::Islands;
-use crate::mesh::{Mesh, UvSet, unit_or_zero};
+use crate::mesh::{Mesh, unit_or_zero};
 use crate::overlap::{self, Flat};
 use crate::pack::{AtlasSize, pack};
 use crate::solid::ShapeFace;
 use crate::topology::Topology;
+use crate::uv_set::UvSet;
 use crate::{Origin, UvError, parallel};
 
 /// A surface that folds over itself is divided in this many rounds, one layer each. A surface that folds more often is divided at

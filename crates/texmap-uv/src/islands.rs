@@ -3,9 +3,10 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use crate::mesh::{Mesh, UvSet};
+use crate::mesh::Mesh;
 use crate::parallel;
 use crate::topology::{MANY, RIM, Topology};
+use crate::uv_set::UvSet;
 
 /// Faces grouped into connected pieces of the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]

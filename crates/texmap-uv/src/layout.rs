@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::string::String;
 use core::fmt::Write;
 
-use crate::mesh::UvSet;
+use crate::uv_set::UvSet;
 use crate::{Origin, Report};
 
 /// An SVG of `size` x `size` pixels that shows the layout: the unit square with a frame, triangles grey, overlapping

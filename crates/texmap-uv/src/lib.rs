@@ -50,6 +50,7 @@ mod topology;
 mod tree;
 #[cfg(feature = "unwrap")]
 mod unwrap;
+mod uv_set;
 mod views;
 
 pub use auto::auto_planes;
@@ -57,7 +58,7 @@ pub use error::UvError;
 pub use fallback::{Projection, project};
 pub use layout::layout_svg;
 pub use mapping::{MappedMesh, Mapping, ProjectionSource, tile};
-pub use mesh::{Faces, Mesh, UvSet, VertexBuffer};
+pub use mesh::{Faces, Mesh};
 pub use overlap::{Overlaps, overlaps};
 pub use pack::{AtlasSize, pack};
 pub use per_pixel::{CurvedShape, PerPixelProjection};
@@ -70,3 +71,4 @@ pub use t_junction::{TJunction, TJunctions, t_junctions};
 pub use tangent::tangents;
 #[cfg(feature = "unwrap")]
 pub use unwrap::unwrap;
+pub use uv_set::{UvSet, VertexBuffer};

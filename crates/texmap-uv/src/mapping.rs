@@ -7,9 +7,10 @@ use alloc::vec::Vec;
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::{Level, float};
 
-use crate::mesh::{Mesh, UvSet, length, unit_or_zero};
+use crate::mesh::{Mesh, length, unit_or_zero};
 use crate::placement::{PlacedFrame, Placement};
 use crate::solid::{Origin, Shape, ShapeFace};
+use crate::uv_set::UvSet;
 use crate::{UvError, parallel, plane, seam_unwrap, spherical};
 
 /// The vector that a shape maps to texture coordinates.

@@ -4,8 +4,9 @@ use alloc::vec::Vec;
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use texmap_math::glam::DVec2;
 
-use crate::mesh::{Mesh, UvSet};
+use crate::mesh::Mesh;
 use crate::tree::{BoxTree, Meter, search_each, steps_for};
+use crate::uv_set::UvSet;
 use crate::{UvError, parallel};
 
 /// A triangle in the picture, counter-clockwise, with the face it belongs to.

@@ -7,8 +7,9 @@ use texmap_math::glam::DVec2;
 
 use crate::UvError;
 use crate::islands::{Islands, compact, separate};
-use crate::mesh::{Mesh, UvSet, length};
+use crate::mesh::{Mesh, length};
 use crate::topology::Topology;
+use crate::uv_set::UvSet;
 
 /// A square atlas for islands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

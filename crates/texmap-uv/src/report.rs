@@ -8,8 +8,9 @@ mod unmapped;
 use alloc::vec::Vec;
 use texmap_math::float;
 
-use crate::mesh::{Mesh, UvSet};
+use crate::mesh::Mesh;
 use crate::overlap::{self, Flat};
+use crate::uv_set::UvSet;
 use crate::{Origin, TJunctions, UvError, parallel};
 use edges::Edges;
 use stretch::raw;

@@ -6,8 +6,9 @@ use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec2;
 
 use crate::islands::{Islands, compact, root, separate};
-use crate::mesh::{Mesh, UvSet, length};
+use crate::mesh::{Mesh, length};
 use crate::topology::{MANY, Topology};
+use crate::uv_set::UvSet;
 use crate::{UvError, parallel};
 
 /// Edges to cut along: pairs of positions, and all edges whose faces meet at a larger angle.

@@ -13,7 +13,8 @@ use texmap_math::glam::DVec3;
 
 use self::triangles::Input;
 use crate::UvError;
-use crate::mesh::{Mesh, UvSet, unit_or_zero};
+use crate::mesh::{Mesh, unit_or_zero};
+use crate::uv_set::UvSet;
 
 /// The tangent of every corner: a unit vector along growing u, square to the normal, and as the fourth component the
 /// sign of the bitangent, `sign * cross(normal, tangent)`.

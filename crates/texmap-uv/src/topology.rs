@@ -4,7 +4,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use texmap_math::glam::DVec3;
 
-use crate::mesh::{Faces, Mesh, UvSet, length};
+use crate::mesh::{Faces, Mesh, length};
+use crate::uv_set::UvSet;
 
 /// No neighbour: the rim of the mesh.
 pub(crate) const RIM: u32 = u32::MAX;

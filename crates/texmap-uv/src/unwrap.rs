@@ -4,10 +4,11 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
-use crate::mesh::{Mesh, UvSet};
+use crate::mesh::Mesh;
 use crate::pack::AtlasSize;
 use crate::seam_edges::SeamEdges;
 use crate::topology::Topology;
+use crate::uv_set::UvSet;
 use crate::{Origin, UvError};
 
 /// Most corners of a face, and most triangles around a vertex. The unwrapper compares all triangles of a fan with one another,

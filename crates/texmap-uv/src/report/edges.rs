@@ -4,8 +4,9 @@ use alloc::vec::Vec;
 
 use super::ReportOptions;
 use crate::islands::Islands;
-use crate::mesh::{Mesh, UvSet, length};
+use crate::mesh::{Mesh, length};
 use crate::topology::{MANY, RIM, Topology, edge_length};
+use crate::uv_set::UvSet;
 use crate::{TJunctions, parallel, t_junction, views};
 
 /// Figures of a report about edges.

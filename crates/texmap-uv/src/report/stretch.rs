@@ -6,7 +6,8 @@ use texmap_math::glam::DVec2;
 
 use super::{ReportOptions, TriangleReport};
 use crate::Origin;
-use crate::mesh::{Mesh, UvSet, length};
+use crate::mesh::{Mesh, length};
+use crate::uv_set::UvSet;
 
 /// Stretch of one triangle before it is normalised.
 #[derive(Clone, Copy)]

@@ -5,8 +5,9 @@ use texmap_math::float;
 
 use super::stretch::{Raw, normalised, raw};
 use super::{ReportOptions, TriangleReport};
-use crate::mesh::{Mesh, UvSet};
+use crate::mesh::Mesh;
 use crate::parallel;
+use crate::uv_set::UvSet;
 
 /// All triangles, and their sums in the order of chunks.
 pub(super) fn each_triangle(

@@ -2,7 +2,8 @@
 
 use super::ReportOptions;
 use super::stretch::raw;
-use crate::mesh::{Mesh, UvSet};
+use crate::mesh::Mesh;
+use crate::uv_set::UvSet;
 use crate::{UvError, parallel};
 
 /// Triangles that have area in space and none in the picture.

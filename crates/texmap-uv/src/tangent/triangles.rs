@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 use texmap_math::float;
 use texmap_math::glam::{Vec2, Vec3};
 
-use crate::mesh::{Mesh, UvSet};
+use crate::mesh::Mesh;
+use crate::uv_set::UvSet;
 
 /// Mesh, texture coordinates and normals that the rule reads; normals are of unit length.
 pub(super) struct Input<'a> {
