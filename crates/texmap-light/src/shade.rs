@@ -1,14 +1,16 @@
 //! Sums over lights.
 
-use texmap_math::dispatch_simd;
+mod slices;
+
+pub use slices::{illuminate_slice, lighting_slice};
+
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::error::{LightError, same_length};
 use crate::lanes::Vector;
 use crate::share::{
     LightContributionLanes, SpecularExponent, SpecularExponentLanes, evaluate_light,
 };
-use crate::vector::{columns, dot, load, scale, splat, sub, unit};
+use crate::vector::{dot, scale, splat, sub, unit};
 use crate::{Light, Lighting, PhongMaterial, SpecularModel};
 
 /// Light that reaches the eye from each point, split so that a texture can stand in for the colour:
@@ -161,93 +163,6 @@ pub fn illuminate_two_sided(
     )
 }
 
-/// [`lighting`] for every point of a slice: the same bits, entry by entry.
-///
-/// # Errors
-/// [`LightError::Length`] unless `points`, `normals` and `out` have one length.
-pub fn lighting_slice(
-    surface: &PhongMaterial,
-    lights: &[Light],
-    points: &[[f32; 3]],
-    normals: &[[f32; 3]],
-    eye: [f32; 3],
-    out: &mut [Lighting],
-) -> Result<(), LightError> {
-    same_length("points", points.len(), out.len())?;
-    same_length("normals", normals.len(), out.len())?;
-    each_point(surface, lights, points, normals, eye, &mut |at, terms| {
-        out[at] = terms;
-    });
-    Ok(())
-}
-
-/// [`illuminate`] for every point of a slice: the same bits, entry by entry.
-///
-/// # Errors
-/// [`LightError::Length`] unless `points`, `normals` and `out` have one length.
-pub fn illuminate_slice(
-    surface: &PhongMaterial,
-    lights: &[Light],
-    points: &[[f32; 3]],
-    normals: &[[f32; 3]],
-    eye: [f32; 3],
-    out: &mut [[f32; 3]],
-) -> Result<(), LightError> {
-    same_length("points", points.len(), out.len())?;
-    same_length("normals", normals.len(), out.len())?;
-    each_point(surface, lights, points, normals, eye, &mut |at, terms| {
-        out[at] = terms.color(surface.color);
-    });
-    Ok(())
-}
-
-/// [`lighting`] of all points, in lanes.
-fn each_point(
-    surface: &PhongMaterial,
-    lights: &[Light],
-    points: &[[f32; 3]],
-    normals: &[[f32; 3]],
-    eye: [f32; 3],
-    put: &mut dyn FnMut(usize, Lighting),
-) {
-    dispatch_simd!(crate::level(), i => blocks(i, surface, lights, points, normals, eye, put));
-}
-
-#[inline(always)]
-fn blocks<I: Isa>(
-    i: I,
-    surface: &PhongMaterial,
-    lights: &[Light],
-    points: &[[f32; 3]],
-    normals: &[[f32; 3]],
-    eye: [f32; 3],
-    put: &mut dyn FnMut(usize, Lighting),
-) {
-    for first in (0..points.len()).step_by(I::LANES) {
-        let (point, normal) = (load(i, points, first), load(i, normals, first));
-        let phong = SpecularModel::Phong;
-        let sum = sum_over_lights(
-            i,
-            surface,
-            phong,
-            lights,
-            point,
-            normal,
-            eye,
-            #[inline(always)]
-            |_, _| splat(i, [1.0; 3]),
-        );
-        let (diffuse, highlight) = (columns(i, sum.diffuse), columns(i, sum.highlight));
-        for lane in 0..I::LANES.min(points.len() - first) {
-            let terms = Lighting {
-                diffuse: diffuse.map(|c| c[lane]),
-                highlight: highlight.map(|c| c[lane]),
-            };
-            put(first + lane, terms);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -255,7 +170,7 @@ mod tests {
     use alloc::vec::Vec;
     use texmap_math::glam::DVec3;
 
-    const SURFACE: PhongMaterial = PhongMaterial {
+    pub(super) const SURFACE: PhongMaterial = PhongMaterial {
         color: [0.5, 0.25, 0.75],
         ka: 0.5,
         kd: 0.6,
@@ -269,7 +184,7 @@ mod tests {
         (*seed >> 8) as f32 / 8_388_608.0 - 1.0
     }
 
-    fn vector(seed: &mut u32) -> [f32; 3] {
+    pub(super) fn vector(seed: &mut u32) -> [f32; 3] {
         [noise(seed), noise(seed), noise(seed)]
     }
 
@@ -502,42 +417,5 @@ mod tests {
                 "{normal:?}"
             );
         }
-    }
-
-    #[test]
-    fn slices_have_the_bits_of_the_scalar_form() {
-        let mut seed = 7;
-        let points: Vec<_> = (0..37).map(|_| vector(&mut seed)).collect();
-        let normals: Vec<_> = (0..37).map(|_| vector(&mut seed)).collect();
-        let lights = [Light::Point {
-            color: [1.0; 3],
-            position: [0.0, 2.0, 3.0],
-        }];
-        let eye = [0.0, 0.0, 4.0];
-        let mut out = alloc::vec![[0.0; 3]; 37];
-        illuminate_slice(&SURFACE, &lights, &points, &normals, eye, &mut out).unwrap();
-        for i in 0..37 {
-            assert_eq!(
-                out[i],
-                illuminate(&SURFACE, &lights, points[i], normals[i], eye)
-            );
-        }
-        let mut short = [Lighting::default(); 3];
-        let error = lighting_slice(
-            &SURFACE,
-            &lights,
-            &points[..3],
-            &normals[..2],
-            eye,
-            &mut short,
-        );
-        assert_eq!(
-            error,
-            Err(LightError::Length {
-                what: "normals",
-                found: 2,
-                expected: 3
-            })
-        );
     }
 }
