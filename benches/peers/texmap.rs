@@ -1,5 +1,7 @@
 //! texmap's side of the race.
 
+use std::time::{Duration, Instant};
+
 use texmap_benches::bench_scenes::{BenchMesh, BenchScene, Content, DEPTH_SIZE, Hidden, Lookup};
 use texmap_math::Level;
 use texmap_math::glam::DMat4;
@@ -76,12 +78,13 @@ pub(crate) enum Texmap {
 }
 
 impl Texmap {
+    /// The row, and the time of its first frame: mip chains and buffers are made in it, meshes and images before.
     pub(crate) fn new(
         scene: &BenchScene,
         mode: Mode,
         level: Level,
         threads: usize,
-    ) -> Option<Self> {
+    ) -> Option<(Self, Duration)> {
         let (width, height) = scene.size();
         if let Content::Depth { .. } = scene.content {
             // From -w..w to 0..w, 1 at the near plane.
@@ -97,8 +100,9 @@ impl Texmap {
                 pool: pool.build().ok()?,
                 map: Vec::new(),
             };
+            let start = Instant::now();
             this.frame();
-            return Some(this);
+            return Some((this, start.elapsed()));
         }
         let data: Scene = scene.scene(mode.precision, mode.hidden).ok()??;
         // One leak a row: the renderer borrows its scene for the whole race.
@@ -109,14 +113,17 @@ impl Texmap {
         if let Content::Sphere { samples, .. } = scene.content {
             settings.msaa = samples;
         }
+        let start = Instant::now();
         let renderer = Box::new(Renderer::new(data, &settings).ok()?.turned_over());
         let frame = Box::new(renderer.draw(&texmap_render::no_progress).ok()?);
+        let first = start.elapsed();
         let with_maps = scene.content == (Content::Lit { shadow_pass: true });
-        Some(Self::Frame {
+        let row = Self::Frame {
             renderer,
             frame,
             with_maps,
-        })
+        };
+        Some((row, first))
     }
 
     pub(crate) fn frame(&mut self) {
