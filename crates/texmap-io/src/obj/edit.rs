@@ -28,10 +28,9 @@ impl ObjText {
     /// # Errors
     /// File errors, a statement that is wrong, with line and column, or [`IoError::Memory`].
     pub fn read(path: &Path, files: &FileSource) -> Result<Self, IoError> {
-        let text = files.read_text(path, MAX_TEXT)?;
-        // Measured on a grid of a million vertices: the text, its faces, corners and coordinates, and tangents of all corners.
-        let what = format_args!("what the {} bytes of {} say", text.len(), path.display());
-        files.ask(24 * text.len() as u64, what, "split the model", None)?;
+        // Measured on a grid of a million vertices: its faces, corners and coordinates, and tangents of all corners take 24 times
+        // the bytes of the text.
+        let text = files.text_for(path, None, MAX_TEXT, (24, "split the model"))?;
         Self::parse(path, text).map_err(|error| match is_called(path, "obj") {
             true => error,
             false => error.without_words(),

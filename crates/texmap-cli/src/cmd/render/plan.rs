@@ -43,6 +43,12 @@ impl Item {
             _ => self.output.iter().map(PathBuf::as_path).collect(),
         }
     }
+
+    /// All its files: the pictures, and what lies beside them.
+    pub(super) fn outputs(&self, args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
+        let all = destinations(args, self)?.into_iter();
+        Ok(all.map(|(path, _)| path).collect())
+    }
 }
 
 /// The name of frame `n`, if the name has a place for it: `%04d`.
@@ -89,6 +95,7 @@ pub(crate) fn items(
     }
     let read = inputs.iter().chain(&args.camera.path);
     let read = read.chain(&args.camera.cameras).chain(&args.look.texture);
+    let read = read.map(PathBuf::as_path).chain(args.light.picture());
     distinct(outputs, read)?;
     Ok(items)
 }
