@@ -6,10 +6,7 @@ use super::textures::Textures;
 use texmap_scene::{AlphaMode, Material, NormalDetail, TextureSlot};
 
 /// Replaces maps of one colour by numbers, and says which maps are gone.
-pub(super) fn drop_constant(
-    textures: &Textures<'_>,
-    material: &mut Material,
-) -> Vec<&'static str> {
+pub(super) fn drop_constant(textures: &Textures<'_>, material: &mut Material) -> Vec<&'static str> {
     let mut gone = Vec::new();
     let color = |slot: &TextureSlot| {
         let border = [slot.sampler.wrap_u, slot.sampler.wrap_v].contains(&Wrap::ClampToBorder);

@@ -200,9 +200,7 @@ mod tests {
         drawn(scene, positions).iter().any(|triangle| {
             let e = triangle.matrix().inverse() * place.centre.extend(1.0);
             let inv_w = e.x + e.y + e.z;
-            triangle.mesh != mesh
-                && e.min_element() >= 0.0
-                && inv_w > place.nearness() * NEARER
+            triangle.mesh != mesh && e.min_element() >= 0.0 && inv_w > place.nearness() * NEARER
         })
     }
 
@@ -211,7 +209,9 @@ mod tests {
         const SIZE: f64 = 48.0;
         let mut state = 7u64;
         let mut random = move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
             (state >> 40) as f64 / (1u64 << 24) as f64
         };
         let mut scene = crate::tests::scene();

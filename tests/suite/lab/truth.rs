@@ -346,9 +346,11 @@ fn rare_words_are_drawn_as_rays_say() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
     let folder = tempfile::tempdir().unwrap();
     // A row that is clear at one end.
-    image::RgbaImage::from_fn(8, 1, |x, _| image::Rgba([x as u8 * 36, 200, 90, 35 + x as u8 * 30]))
-        .save(folder.path().join("clear.png"))
-        .unwrap();
+    image::RgbaImage::from_fn(8, 1, |x, _| {
+        image::Rgba([x as u8 * 36, 200, 90, 35 + x as u8 * 30])
+    })
+    .save(folder.path().join("clear.png"))
+    .unwrap();
     let things = RARE.map(|(name, words)| (name, format!("{words}{THINGS}")));
     let rooms = CAST.map(|(name, words)| (name, format!("la .2 .2 .2\n{ROOM}{words}")));
     let mut off = Vec::new();

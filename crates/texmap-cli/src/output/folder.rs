@@ -1,4 +1,4 @@
-//! Temporary folders beside the outputs. Each holds a locked file, which tells the living from what a killed run left.
+//! Temporary folders beside the outputs, and one for what standard input holds. Each holds a locked file, which tells the living from what a killed run left.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ const LOCK: &str = "lock";
 
 /// A temporary folder that is removed when it is dropped, when a signal ends the program, or by a later run.
 #[derive(Debug)]
-pub(super) struct Folder {
+pub(crate) struct Folder {
     /// Taken when it is removed.
     folder: Option<TempDir>,
     /// Its full name: a relative one would point elsewhere if the working directory changed.
@@ -29,7 +29,7 @@ pub(super) struct Folder {
 
 impl Folder {
     /// Makes a folder in `at`, after removing what killed runs left there.
-    pub(super) fn new(at: &Path) -> io::Result<Self> {
+    pub(crate) fn new(at: &Path) -> io::Result<Self> {
         sweep_once(at);
         // Locked before a signal can find the folder missing from the list.
         let mut known = interrupt::folders();
@@ -45,7 +45,7 @@ impl Folder {
         })
     }
 
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 }

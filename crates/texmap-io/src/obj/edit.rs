@@ -239,6 +239,29 @@ mod tests {
     }
 
     #[test]
+    fn the_memory_budget_is_asked_once_for_what_the_text_says() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        static ASKED: AtomicUsize = AtomicUsize::new(0);
+        let used = || {
+            ASKED.fetch_add(1, Ordering::Relaxed);
+            0
+        };
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        // Twelve times its bytes are asked for already, the bytes themselves are not.
+        std::fs::write(&path, format!("{QUAD}{}", "# \n".repeat(700_000))).unwrap();
+        let budget = texmap_math::MemoryBudget::measured(40 << 20, used);
+        let files = FileSource::anywhere().with_memory(budget);
+        let error = ObjText::read(&path, &files).unwrap_err();
+        assert_eq!(error.code(), "over-memory-budget");
+        assert_eq!(ASKED.load(Ordering::Relaxed), 1);
+        let budget = texmap_math::MemoryBudget::measured(60 << 20, used);
+        let files = FileSource::anywhere().with_memory(budget);
+        assert_eq!(ObjText::read(&path, &files).unwrap().positions().len(), 4);
+        assert_eq!(ASKED.load(Ordering::Relaxed), 2);
+    }
+
+    #[test]
     fn only_vt_and_corners_change() {
         let obj = parse(QUAD).unwrap();
         assert_eq!(

@@ -22,10 +22,7 @@ impl Known {
             return Some(materials.len() - 1);
         }
         for (index, known) in materials.iter().enumerate().skip(self.len) {
-            self.by_content
-                .entry(hash(known))
-                .or_default()
-                .push(index);
+            self.by_content.entry(hash(known)).or_default().push(index);
         }
         self.len = materials.len();
         let alike = self.by_content.get(&hash(material))?;
