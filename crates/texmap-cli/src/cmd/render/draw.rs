@@ -42,6 +42,8 @@ pub(crate) fn item(
 ) -> Result<Vec<ItemReport>, Failure> {
     let began = Instant::now();
     let scene_file = is_scene(file);
+    // What this input names, and not what all others do.
+    let files = &files.clone().recording();
     let options = options(args, item, file, files)?;
     let mut scene = load(file, &item.input, &options)?;
     if let Some(background) = args.background {
@@ -150,6 +152,7 @@ pub(super) fn keep_apart(
     if items.len() < 2 || outputs.is_empty() {
         return Ok(());
     }
+    let files = &files.clone().recording();
     for (item, file) in items {
         let _ = load(file, &item.input, &options(args, item, file, files)?);
     }

@@ -150,7 +150,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let files = args.root.files()?;
     let cameras = args.camera.list(&files)?;
     let inputs = Inputs::read(&args.inputs, &files)?;
-    let items = plan::items(args, &inputs.names, args.camera.names(&cameras).as_deref())?;
+    let names = args.camera.names(&cameras);
+    let items = plan::items(args, &inputs.names, &files.recorded(), names.as_deref())?;
     let cameras = args.camera.walk(&files, cameras)?;
     let mut reports: Vec<ItemReport> = Vec::new();
     let mut failures = Vec::new();

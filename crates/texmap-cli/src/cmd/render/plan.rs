@@ -61,10 +61,11 @@ pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
 }
 
 /// Names all outputs and checks them: endings, numbers, twins, and that each can be written. `shots` are the names of the pictures of
-/// each input, if there are several.
+/// each input, if there are several; `read` are lists that were read.
 pub(crate) fn items(
     args: &RenderArgs,
     inputs: &[PathBuf],
+    read: &[PathBuf],
     shots: Option<&[Option<String>]>,
 ) -> Result<Vec<Item>, Failure> {
     let mut items = name(inputs, args.output.as_deref())?;
@@ -93,7 +94,7 @@ pub(crate) fn items(
         }
         outputs.extend(mine.into_iter().map(|(path, _)| path));
     }
-    let read = inputs.iter().chain(&args.camera.path);
+    let read = inputs.iter().chain(read).chain(&args.camera.path);
     let read = read.chain(&args.camera.cameras).chain(&args.look.texture);
     let read = read.map(PathBuf::as_path).chain(args.light.picture());
     distinct(outputs, read)?;
