@@ -1,11 +1,12 @@
 //! Files to read are opened here and nowhere else: only regular files, never more bytes than a limit allows, and within a
 //! root, where one is set, nothing outside of it.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 #[cfg(unix)]
 use rayon::prelude::*;
@@ -29,7 +30,21 @@ pub struct FileSource {
     held: Option<Arc<Held>>,
     /// Memory budget, asked before something large is read or made of a file.
     memory: MemoryBudget,
+    record: Option<Record>,
 }
+
+/// Names of the files that were read, shared by every copy of a source.
+#[derive(Debug, Clone, Default)]
+struct Record(Arc<Mutex<BTreeSet<PathBuf>>>);
+
+impl PartialEq for Record {
+    /// The same record, whatever it holds.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for Record {}
 
 /// A file that was opened, and its size.
 #[derive(Debug)]
@@ -109,13 +124,34 @@ impl FileSource {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        Ok(Self::within(folder)?.with_memory(self.memory))
+        Ok(Self {
+            record: self.record.clone(),
+            ..Self::within(folder)?.with_memory(self.memory)
+        })
     }
 
     /// The same files under another memory budget than that of the process.
     #[must_use]
     pub fn with_memory(self, memory: MemoryBudget) -> Self {
         Self { memory, ..self }
+    }
+
+    /// The same files; the names of those that are read from now on, by it and its copies, are kept for [`FileSource::recorded`].
+    #[must_use]
+    pub fn recording(self) -> Self {
+        Self {
+            record: Some(Record::default()),
+            ..self
+        }
+    }
+
+    /// Names of the files that were opened to be read since [`FileSource::recording`], as they were asked for; none without it.
+    pub fn recorded(&self) -> Vec<PathBuf> {
+        let names = |record: &Record| {
+            let names = record.0.lock().unwrap_or_else(PoisonError::into_inner);
+            names.iter().cloned().collect()
+        };
+        self.record.as_ref().map(names).unwrap_or_default()
     }
 
     pub(crate) fn memory(&self) -> MemoryBudget {
@@ -172,10 +208,21 @@ impl FileSource {
         named_by: Option<&SourceLocation>,
         limit: u64,
     ) -> Result<String, IoError> {
-        let bytes = self.read_named(path, named_by, limit)?;
         // A parser and the meshes that it makes take eleven times the bytes of an OBJ, measured on a grid of a million vertices.
+        self.text_for(path, named_by, limit, (12, "split the file"))
+    }
+
+    /// The text of a file of which `times` its bytes are made; that is asked for, with what makes it smaller.
+    pub(crate) fn text_for(
+        &self,
+        path: &Path,
+        named_by: Option<&SourceLocation>,
+        limit: u64,
+        (times, lower): (u64, &'static str),
+    ) -> Result<String, IoError> {
+        let bytes = self.read_named(path, named_by, limit)?;
         let what = format_args!("what the {} bytes of {} say", bytes.len(), path.display());
-        self.ask(12 * bytes.len() as u64, what, "split the file", named_by)?;
+        self.ask(times * bytes.len() as u64, what, lower, named_by)?;
         let mut text = String::from_utf8(bytes).map_err(|e| {
             let (good, _) = e.as_bytes().split_at(e.utf8_error().valid_up_to());
             let good = String::from_utf8_lossy(good);
@@ -212,6 +259,12 @@ impl FileSource {
         // Opening a pipe would wait for its writer.
         self.size(at, path, named_by)?;
         let file = File::open(at).map_err(|source| unreadable(path, named_by, source))?;
+        if let Some(Record(names)) = &self.record {
+            let mut names = names.lock().unwrap_or_else(PoisonError::into_inner);
+            if !names.contains(path) {
+                names.insert(path.to_path_buf());
+            }
+        }
         let metadata = file
             .metadata()
             .map_err(|source| unreadable(path, named_by, source))?;
@@ -421,6 +474,26 @@ mod tests {
             fs::write(&path, &bytes[..size as usize]).unwrap();
             assert!(read(&path).unwrap() == bytes[..size as usize], "{size}");
         }
+    }
+
+    #[test]
+    fn a_record_names_what_was_opened_and_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        fs::write(at("a"), "a").unwrap();
+        fs::write(at("b"), "b").unwrap();
+        let silent = FileSource::anywhere();
+        let files = FileSource::anywhere().recording();
+        let confined = files.confined(&at("x.gltf")).unwrap();
+        for _ in 0..2 {
+            silent.read(&at("b"), 9).unwrap();
+            files.clone().read(&at("a"), 9).unwrap();
+            assert!(files.read(&at("gone"), 9).is_err() && files.exists(&at("b")));
+        }
+        assert_eq!(files.recorded(), [at("a")]);
+        confined.read(&at("b"), 9).unwrap();
+        assert_eq!(files.recorded(), [at("a"), at("b")]);
+        assert!(silent.recorded().is_empty() && silent != files && files == files.clone());
     }
 
     #[test]

@@ -1,12 +1,10 @@
 //! Gain: the operations on texels before they are stored, which decide how much of a filter's error shows.
 
-use std::cell::OnceCell;
-
 use texmap_light::Light;
-use texmap_sample::Texture2d;
 
 use super::IdleLight;
 use super::lights::distance;
+use super::textures::Textures;
 use texmap_math::wide;
 use texmap_scene::{Material, Mesh, ProjectorMode, Scene, Shading, TextureRole};
 
@@ -89,8 +87,7 @@ impl Gain {
 pub(super) struct Lighting<'s> {
     scene: &'s Scene,
     idle: &'s [IdleLight],
-    /// Of each texture, once it was asked for.
-    brightest: Vec<OnceCell<[f32; 3]>>,
+    pub(super) textures: Textures<'s>,
 }
 
 impl<'s> Lighting<'s> {
@@ -98,7 +95,7 @@ impl<'s> Lighting<'s> {
         Self {
             scene,
             idle,
-            brightest: vec![OnceCell::new(); scene.textures.len()],
+            textures: Textures::new(&scene.textures),
         }
     }
 
@@ -120,7 +117,7 @@ impl<'s> Lighting<'s> {
         };
         if let Some(emission) = &material.emission {
             let map = emission.map.as_ref();
-            let picture = map.map_or([1.0; 3], |slot| self.brightest(slot.texture));
+            let picture = map.map_or([1.0; 3], |slot| self.textures.brightest(slot.texture));
             added = [0, 1, 2].map(|k| added[k] + emission.color[k] * picture[k]);
         }
         let vertex = |k: usize| mesh.colors.iter().map(|c| c[k]).reduce(f32::max);
@@ -138,7 +135,7 @@ impl<'s> Lighting<'s> {
             return ([1e30; 3], [1.0; 3]);
         }
         if let Some(ramp) = &material.light_ramp {
-            return (self.brightest(ramp.texture), [0.0; 3]);
+            return (self.textures.brightest(ramp.texture), [0.0; 3]);
         }
         let (mut sum, mut added) = ([0.0f32; 3], [0.0f32; 3]);
         let add = |to: &mut [f32; 3], share: f32, color: [f32; 3]| {
@@ -175,14 +172,14 @@ impl<'s> Lighting<'s> {
         }
         for projector in &self.scene.effects.projectors {
             if let ProjectorMode::Light(color) = projector.mode {
-                let picture = self.brightest(projector.texture);
+                let picture = self.textures.brightest(projector.texture);
                 let color = [0, 1, 2].map(|k| color[k] * picture[k]);
                 add(&mut sum, surface.kd, color);
                 add(&mut added, surface.ks, color);
             }
         }
         if let Some(map) = &material.light_map {
-            let picture = self.brightest(map.slot.texture);
+            let picture = self.textures.brightest(map.slot.texture);
             add(&mut sum, surface.kd * map.scale, picture);
         }
         if material.reflection.is_some() || material.specular_map.is_some() {
@@ -190,20 +187,6 @@ impl<'s> Lighting<'s> {
         }
         (sum, added)
     }
-
-    /// The greatest value of each channel in the picture itself.
-    fn brightest(&self, texture: usize) -> [f32; 3] {
-        *self.brightest[texture].get_or_init(|| brightest(&self.scene.textures[texture]))
-    }
-}
-
-fn brightest(texture: &Texture2d<'_>) -> [f32; 3] {
-    let mut most = [0.0f32; 3];
-    for (x, y) in (0..texture.height()).flat_map(|y| (0..texture.width()).map(move |x| (x, y))) {
-        let texel = texture.texel(0, x, y).unwrap_or_default();
-        most = [0, 1, 2].map(|k| most[k].max(texel[k]));
-    }
-    most
 }
 
 #[cfg(test)]

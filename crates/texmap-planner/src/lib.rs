@@ -37,6 +37,7 @@ mod look;
 mod maps;
 mod pilot;
 mod prices;
+mod textures;
 mod view;
 mod visible;
 
@@ -51,6 +52,7 @@ pub use lights::{IdleLight, ShadowChoice};
 use pilot::PixelSamples;
 pub use prices::{Price, prices};
 use texmap_scene::{Mesh, Scene, Shading, TextureRole, ToneMapping};
+use textures::Textures;
 use view::View;
 
 /// The largest errors that a picture may have.
@@ -130,6 +132,8 @@ impl Choices {
 
     /// Changes the scene to what was chosen: each mesh gets a material of its own.
     pub fn apply(&self, scene: &mut Scene) {
+        let textures = scene.textures.clone();
+        let textures = Textures::new(&textures);
         for choice in &self.meshes {
             let Some(mesh) = scene.meshes.get_mut(choice.mesh) else {
                 continue;
@@ -138,7 +142,7 @@ impl Choices {
                 continue;
             };
             material.interp = choice.interp;
-            maps::drop_constant(&scene.textures, &mut material);
+            maps::drop_constant(&textures, &mut material);
             if let Some([r, g, b, _]) = choice.constant {
                 material.base_color = None;
                 if material.texture_role == TextureRole::Decal {
@@ -231,7 +235,10 @@ pub fn choose_sampled(
             half: [1.0 / projection.x_axis.x, 1.0 / projection.y_axis.y],
         })
         .collect();
-    let mut places: Vec<PixelSamples> = views.iter().map(pilot::places).collect();
+    let mut places: Vec<PixelSamples> = {
+        let grid = pilot::grid(&views);
+        views.iter().map(|view| pilot::places(view, grid)).collect()
+    };
     let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();
     visible::keep_visible(scene, &positions, size, &mut places);
     places.iter_mut().for_each(|p| p.leave_outlines_out(size));

@@ -3,7 +3,7 @@
 use texmap_math::Footprint;
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 
-use super::view::constant;
+use super::textures::Textures;
 use texmap_math::color::straight;
 use texmap_scene::{Material, Mesh, Scene, SolidField, TextureRole, TextureSlot};
 
@@ -18,6 +18,7 @@ pub(super) struct Spot {
 
 /// The look-ups of a surface.
 pub(super) struct Look<'s> {
+    textures: &'s Textures<'s>,
     texture: Option<(Texture2d<'static>, &'s TextureSlot)>,
     ramp: Option<(Texture2d<'static>, &'s Sampler)>,
     solid: Option<SolidField<'s>>,
@@ -38,15 +39,12 @@ pub(super) struct Read {
 
 impl<'s> Look<'s> {
     /// Nothing if the surface has one colour.
-    pub(super) fn new(scene: &'s Scene, mesh: &Mesh, material: &'s Material) -> Option<Self> {
-        let with_mips = |index: usize| {
-            let texture = scene.textures[index].clone();
-            if texture.levels() == 1 {
-                texture.with_mips()
-            } else {
-                texture
-            }
-        };
+    pub(super) fn new(
+        scene: &'s Scene,
+        textures: &'s Textures<'s>,
+        mesh: &Mesh,
+        material: &'s Material,
+    ) -> Option<Self> {
         // A surface that copies its texel shows nothing that lies below.
         let copies = material.base_color.is_some() && material.texture_role == TextureRole::Decal;
         let solid = material.solid.as_ref().filter(|_| !copies);
@@ -54,16 +52,17 @@ impl<'s> Look<'s> {
             return None;
         }
         let on_mesh = |slot: &'s TextureSlot| {
-            let texture = with_mips(slot.texture).with_origin(mesh.uv_origin);
+            let texture = textures.with_mips(slot.texture).with_origin(mesh.uv_origin);
             (texture, slot)
         };
         Some(Self {
+            textures,
             texture: material.base_color.as_ref().map(on_mesh),
             label: material.decal.as_ref().map(on_mesh),
             ramp: material
                 .color_ramp
                 .as_ref()
-                .map(|slot| (with_mips(slot.texture), &slot.sampler)),
+                .map(|slot| (textures.with_mips(slot.texture), &slot.sampler)),
             solid: solid.map(|solid| SolidField::new(solid, &scene.effects)),
             under: match material.decal {
                 Some(_) if !copies => material.phong.color,
@@ -111,8 +110,8 @@ impl<'s> Look<'s> {
     pub(super) fn constant(&self) -> Option<[f32; 4]> {
         let plain = self.ramp.is_none() && self.solid.is_none() && self.label.is_none();
         let plain = plain && !self.crisp;
-        let (texture, _) = self.texture.as_ref().filter(|_| plain)?;
-        constant(texture)
+        let slot = self.slot().filter(|_| plain)?;
+        self.textures.constant(slot.texture)
     }
 
     /// The colour at a spot: linear, premultiplied.

@@ -1,19 +1,16 @@
 //! Maps of one colour, which are numbers.
 
-use texmap_sample::{Texture2d, Wrap};
+use texmap_sample::Wrap;
 
-use super::view::constant;
+use super::textures::Textures;
 use texmap_scene::{AlphaMode, Material, NormalDetail, TextureSlot};
 
 /// Replaces maps of one colour by numbers, and says which maps are gone.
-pub(super) fn drop_constant(
-    textures: &[Texture2d<'static>],
-    material: &mut Material,
-) -> Vec<&'static str> {
+pub(super) fn drop_constant(textures: &Textures<'_>, material: &mut Material) -> Vec<&'static str> {
     let mut gone = Vec::new();
     let color = |slot: &TextureSlot| {
         let border = [slot.sampler.wrap_u, slot.sampler.wrap_v].contains(&Wrap::ClampToBorder);
-        constant(&textures[slot.texture]).filter(|_| !border)
+        textures.constant(slot.texture).filter(|_| !border)
     };
     let opaque = |slot: &TextureSlot| color(slot).filter(|c| c[3] >= 1.0);
     if let Some(NormalDetail::Bump { slot, .. }) = &material.normal_detail
@@ -41,7 +38,7 @@ pub(super) fn drop_constant(
         && let Some(slot) = &material.opacity_map
         && let Some([red, _, _, alpha]) = color(slot)
     {
-        let has_alpha = textures[slot.texture].has_alpha();
+        let has_alpha = textures.has_alpha(slot.texture);
         material.opacity *= if has_alpha { alpha } else { red };
         material.opacity_map = None;
         gone.push("opacity map (of one value)");
@@ -51,7 +48,7 @@ pub(super) fn drop_constant(
 
 #[cfg(test)]
 mod tests {
-    use texmap_sample::{ColorSpace, Origin, Sampler};
+    use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 
     use super::*;
     use texmap_scene::SurfaceMaps;
@@ -75,6 +72,7 @@ mod tests {
             of([[255; 4]; 2]),
             of([[255, 255, 255, 102]; 2]),
         ];
+        let textures = Textures::new(&textures);
         let material = |map: usize, white: usize, alpha: usize| Material {
             normal_detail: Some(NormalDetail::Bump {
                 slot: slot(map),

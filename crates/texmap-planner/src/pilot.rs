@@ -12,6 +12,8 @@ use super::look::{Look, Read, Spot};
 
 /// Positions a side of the grid over the mesh's part of the picture, where that has more pixels.
 const GRID: u32 = 128;
+/// Most positions of all meshes together: a third of a gigabyte.
+const POSITIONS: f64 = 2_097_152.0;
 /// Pixels that a first look takes.
 const FIRST: usize = 576;
 /// Pixels below which nothing is said.
@@ -258,8 +260,22 @@ fn alpha(texels: &[[f32; 4]]) -> f64 {
     texels.iter().map(|texel| f64::from(texel[3])).sum::<f64>() / texels.len() as f64
 }
 
-/// Pixels with the mesh's nearest triangle there: all in its part of the picture, or a jittered grid.
-pub(super) fn places(view: &View<'_>) -> PixelSamples {
+/// Positions a side of the grids of all meshes: fewer where many meshes fill much of the picture.
+pub(super) fn grid(views: &[View<'_>]) -> u32 {
+    let most = f64::from(GRID * GRID);
+    let positions = |view: &View<'_>| {
+        let area = bounds(view).map_or(0.0, |(low, high)| (high - low).element_product());
+        area.min(most)
+    };
+    let all: f64 = views.iter().map(positions).sum();
+    match all <= POSITIONS {
+        true => GRID,
+        false => ((f64::from(GRID) * (POSITIONS / all).sqrt()) as u32).max(1),
+    }
+}
+
+/// Pixels with the mesh's nearest triangle there: all in its part of the picture, or a jittered grid of `side` x `side`.
+pub(super) fn places(view: &View<'_>, side: u32) -> PixelSamples {
     let source = source(view);
     let Some((low, high)) = bounds(view) else {
         return PixelSamples {
@@ -270,12 +286,11 @@ pub(super) fn places(view: &View<'_>) -> PixelSamples {
     };
     let (low, high) = (low.floor(), high.ceil());
     let [wide, tall] = (high - low).to_array();
-    let most = f64::from(GRID * GRID);
-    let all = wide * tall <= most;
+    let all = wide * tall <= f64::from(side * side);
     let (columns, rows) = if all {
         (wide as u32, tall as u32)
     } else {
-        (GRID, GRID)
+        (side, side)
     };
     let cells = columns * rows;
     let positions: Vec<DVec2> = (0..cells)
@@ -426,6 +441,8 @@ fn hash(index: u32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use texmap_math::glam::{DMat4, DVec4};
+
     use super::*;
 
     /// Number of pixels of a rectangle that stay, in a picture of 40 x 40.
@@ -454,5 +471,31 @@ mod tests {
         // Neighbours are not known, or nothing would be left to say.
         assert_eq!(stay([3, 5], [20, 30], 0.9), 20 * 30);
         assert_eq!(stay([3, 5], [3, 20], 1.0), 3 * 20);
+    }
+
+    #[test]
+    fn many_meshes_that_fill_the_picture_share_their_positions() {
+        let scene = crate::tests::scene();
+        let lighting = crate::Lighting::new(&scene, &[]);
+        let positions = [[0.0, 0.0], [640.0, 0.0], [640.0, 640.0], [0.0, 640.0]]
+            .map(|[x, y]| DVec4::new(x, y, 0.0, 1.0));
+        let side = |count: usize| {
+            let view = || View {
+                scene: &scene,
+                mesh: &scene.meshes[0],
+                lighting: &lighting,
+                positions: &positions,
+                size: DVec2::splat(640.0),
+                view_from_world: DMat4::IDENTITY,
+                half: [1.0; 2],
+            };
+            grid(&std::iter::repeat_with(view).take(count).collect::<Vec<_>>())
+        };
+        assert_eq!((side(1), side(128)), (GRID, GRID));
+        for count in [129, 1000, 20_000, 200_000] {
+            let all = count as f64 * f64::from(side(count).pow(2));
+            assert!(all <= POSITIONS && all >= POSITIONS / 2.0, "{count}: {all}");
+        }
+        assert!(side(20_000).pow(2) as usize >= FEWEST);
     }
 }

@@ -3,7 +3,7 @@
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
 use texmap_math::{ViewRays, affine_error, wide};
 use texmap_raster::Interp;
-use texmap_sample::{Filter, Precision, Sampler, Texture2d};
+use texmap_sample::{Filter, Precision, Sampler};
 
 use super::gain::Lighting;
 use super::look::{Look, Read};
@@ -58,7 +58,7 @@ impl View<'_> {
             why: String::new(),
             left_out: Vec::new(),
         };
-        let gone = maps::drop_constant(&self.scene.textures, &mut material.clone());
+        let gone = maps::drop_constant(&self.lighting.textures, &mut material.clone());
         choice.left_out.extend(gone);
         let texels = material.base_color.as_ref().map_or(1.0, |slot| {
             let texture = &self.scene.textures[slot.texture];
@@ -75,7 +75,7 @@ impl View<'_> {
                 .left_out
                 .push("perspective divide (w is equal at the corners)");
         }
-        match Look::new(self.scene, self.mesh, material) {
+        match Look::new(self.scene, &self.lighting.textures, self.mesh, material) {
             None => {
                 "no texture".clone_into(&mut choice.why);
                 choice.left_out.push("texture look-up");
@@ -257,11 +257,3 @@ fn unseen(places: &PixelSamples, all: usize) -> &'static str {
 
 /// Texels of affine error up to which w counts as equal: below the 8 sub-texel bits of any filter.
 const EQUAL_W: f64 = 1.0 / 512.0;
-
-/// The one colour of a texture, if it has but one.
-pub(super) fn constant(texture: &Texture2d<'_>) -> Option<[f32; 4]> {
-    let first = texture.texel(0, 0, 0)?;
-    let all = (0..texture.height()).flat_map(|y| (0..texture.width()).map(move |x| (x, y)));
-    let same = |(x, y)| texture.texel(0, x, y) == Some(first);
-    all.into_iter().all(same).then_some(first)
-}

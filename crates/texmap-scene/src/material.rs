@@ -31,7 +31,8 @@ pub struct Material {
     /// A texture that fills space; multiplies the surface colour.
     pub solid: Option<SolidTexture>,
     /// A row of texels along which the first channel of `solid`, else of `base_color`, is looked up. Its colour replaces theirs.
-    /// A dependent look-up.
+    /// A dependent look-up. Its alpha, times that of the texture, is read as that of a texture is, but
+    /// [`AlphaMode::Test`] cuts by the texture.
     pub color_ramp: Option<TextureSlot>,
     /// A row of texels along which the diffuse light is looked up by its luminance: bands of cel shading. Highlights stay.
     pub light_ramp: Option<TextureSlot>,

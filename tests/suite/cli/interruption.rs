@@ -73,6 +73,29 @@ fn is_ignored(number: u32) -> bool {
     u64::from_str_radix(mask.trim(), 16).unwrap() >> (number - 1) & 1 == 1
 }
 
+/// What standard input holds lies in a temporary folder while it is drawn.
+#[test]
+fn a_signal_leaves_nothing_of_standard_input() {
+    let desk = Desk::new();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_texmap-tested"))
+        .args("render - -o turn.gif --turntable 90000 --resolution 40x30".split(' '))
+        .current_dir(desk.path("."))
+        .env("TMPDIR", desk.path("."))
+        .stdin(std::fs::File::open(desk.path("m.obj")).unwrap())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_for("the copy of the model", || {
+        assert!(child.try_wait().unwrap().is_none());
+        !desk.stages().is_empty()
+    });
+    send(&child, "TERM");
+    let (code, said) = end(child);
+    assert_eq!(code, Some(143), "{said}");
+    assert!(desk.stages().is_empty(), "{:?}", desk.stages());
+}
+
 #[test]
 fn signals_leave_nothing() {
     for (signal, number) in [("TERM", 15), ("HUP", 1), ("INT", 2)] {

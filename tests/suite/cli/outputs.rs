@@ -1,6 +1,6 @@
 //! Outputs: never an input, never two in one file, with their old mode; and standard output that takes nothing.
 
-use crate::program::Desk;
+use crate::program::{Desk, ROOM};
 
 #[test]
 fn no_output_is_an_input_or_another_output() {
@@ -47,6 +47,71 @@ fn no_output_is_an_input_or_another_output() {
         2,
         "two outputs are one file",
     );
+}
+
+/// What scenes and models name is read later than the command line, and is as much an input.
+#[test]
+fn no_output_is_what_a_scene_or_model_names() {
+    let desk = Desk::new();
+    let more = "include part.scene\nsolid out.depth.npy 0 0 0 4 4 4\nobj m.obj\n";
+    desk.put("all.scene", format!("{ROOM}{more}"));
+    desk.put(
+        "part.scene",
+        "texture m.png\nv 0 2 0\nv 1 2 0\nv 0 3 0\ntf 0 0 0 1 1 0 2 0 1\n",
+    );
+    desk.put("other.scene", "eye 0 0 5\ninclude part.scene\n");
+    let check = desk.picture("check.png");
+    for name in ["m.png", "view1.png"] {
+        check.save(desk.path(name)).unwrap();
+    }
+    image::imageops::resize(&check, 8, 4, image::imageops::Nearest)
+        .save(desk.path("sky.png"))
+        .unwrap();
+    let turned = ROOM.replace("check.png", "view1.png");
+    desk.put("turned.scene", turned);
+    let values = texmap_io::npy::Values::F32(&[0.5; 8]);
+    texmap_io::npy::write(&desk.path("out.depth.npy"), &[2, 2, 2], values).unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(desk.path("check.png"), desk.path("soft.png")).unwrap();
+    let mut cases = vec![
+        ("render room.scene -o check.png", "check.png"),
+        ("render room.scene -o check.png --dry-run", "check.png"),
+        ("render room.scene -o .//check.png", "check.png"),
+        ("render all.scene -o m.png", "m.png"),
+        ("render m.obj -o check.png", "check.png"),
+        ("render m.obj -o check.png --views front,top", "check.png"),
+        ("render all.scene -o out.png --aov depth", "out.depth.npy"),
+        (
+            "render turned.scene -o view%d.png --turntable 3",
+            "view1.png",
+        ),
+        ("render m.obj -o sky.png --env sky.png", "sky.png"),
+        // The model's picture would be written before the scene is read that names it.
+        ("render m.obj other.scene -o {model}.png", "m.png"),
+        (
+            "bake all.scene --object panel --light --size 8 -o check.png",
+            "check.png",
+        ),
+    ];
+    if cfg!(unix) {
+        cases.push(("render room.scene -o soft.png", "check.png"));
+    }
+    for (arguments, input) in cases {
+        let before = desk.read(input);
+        let size = match arguments.starts_with("render") {
+            true => " --resolution 16x12",
+            false => "",
+        };
+        desk.refused(&format!("{arguments}{size}"), 2, "the output is the input");
+        assert!(desk.read(input) == before, "{arguments}");
+    }
+    // Negative twin: pictures of an earlier run are written again.
+    for _ in 0..2 {
+        let run = desk.texmap("render room.scene m.obj -o new/{model}.png --resolution 16x12");
+        run.ok();
+        desk.texmap("render m.obj -o soft2.png --resolution 16x12")
+            .ok();
+    }
 }
 
 #[cfg(unix)]

@@ -440,3 +440,54 @@ fn faults_are_named_before_the_first_pixel() {
     scene.materials[0].decal = Some(slot(7, Filter::Nearest, Wrap::Repeat));
     says(scene, "texture");
 }
+
+/// A row of one colour and half its alpha, along a texture without alpha.
+fn ramped(texel: [u8; 4]) -> Scene {
+    let mut scene = Scene {
+        background: [0.0, 0.0, 1.0, 1.0],
+        textures: vec![row(&[texel; 2]), row(&[[128, 0, 0, 255]; 2])],
+        materials: vec![Material {
+            base_color: Some(slot(1, Filter::Bilinear, Wrap::ClampToEdge)),
+            color_ramp: Some(slot(0, Filter::Bilinear, Wrap::ClampToEdge)),
+            shading: Shading::Unlit,
+            phong: texmap_light::PhongMaterial {
+                color: [1.0; 3],
+                ..Default::default()
+            },
+            ..Material::default()
+        }],
+        meshes: vec![wall(9.0, 2.0)],
+        color: texmap_scene::ColorMode::Raw,
+        ..empty()
+    };
+    scene.meshes[0].material = 0;
+    scene
+}
+
+#[test]
+fn the_colour_of_a_ramp_is_not_darkened_by_its_alpha() {
+    let texel = [200, 100, 50, 128];
+    for (name, level) in levels() {
+        let middle = |scene: &Scene| {
+            let settings = RenderSettings {
+                level,
+                ..RenderSettings::new(9, 9)
+            };
+            let frame = render(scene, &settings, &texmap_render::no_progress).unwrap();
+            frame.rgba.as_chunks::<4>().0[40]
+        };
+        let mut scene = ramped(texel);
+        // An opaque surface has the colour, and no use for the alpha.
+        let near = |a: [u8; 4], b: [u8; 4]| (0..4).all(|k| a[k].abs_diff(b[k]) <= 1);
+        let found = middle(&scene);
+        assert!(near(found, [200, 100, 50, 255]), "{name}: {found:?}");
+        // Negative twin: a blended one shows what is behind, by 127 parts of 255.
+        scene.materials[0].alpha = AlphaMode::Blend;
+        let blended = [100, 50, 25 + 127, 255];
+        let found = middle(&scene);
+        assert!(near(found, blended), "{name}: {found:?}");
+        // A row without alpha is drawn as ever.
+        let found = middle(&ramped([200, 100, 50, 255]));
+        assert!(near(found, [200, 100, 50, 255]), "{name}: {found:?}");
+    }
+}

@@ -244,7 +244,7 @@ fn affine_frames_differ() {
 }
 
 /// The less usual words of the scene language, a few at a time, around a few things of every kind.
-const RARE: [(&str, &str); 13] = [
+const RARE: [(&str, &str); 16] = [
     ("blinn", "highlight blinn\nsurf .6 .5 .4 1 1 .6 40\n"),
     (
         "lit at vertices",
@@ -286,6 +286,15 @@ const RARE: [(&str, &str); 13] = [
     (
         "raw",
         "color raw\nbump TEX/brick_heights.png 0.05\nsurf .6 .5 .4 .7 .7 .6 12\n",
+    ),
+    (
+        "a ramp with alpha",
+        "ramp clear.png\nshade modulate pixel\n",
+    ),
+    ("a copied ramp with alpha", "ramp clear.png\n"),
+    (
+        "a blended ramp with alpha",
+        "ramp clear.png\nalpha blend\nshade modulate pixel\n",
     ),
     (
         "voxels, nearest",
@@ -336,6 +345,12 @@ const ROOM: &str = "surf .8 .75 .7 1 1 .2 20\nv -3 -.5 3\nv 3 -.5 3\nv 3 -.5 -2\
 fn rare_words_are_drawn_as_rays_say() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
     let folder = tempfile::tempdir().unwrap();
+    // A row that is clear at one end.
+    image::RgbaImage::from_fn(8, 1, |x, _| {
+        image::Rgba([x as u8 * 36, 200, 90, 35 + x as u8 * 30])
+    })
+    .save(folder.path().join("clear.png"))
+    .unwrap();
     let things = RARE.map(|(name, words)| (name, format!("{words}{THINGS}")));
     let rooms = CAST.map(|(name, words)| (name, format!("la .2 .2 .2\n{ROOM}{words}")));
     let mut off = Vec::new();

@@ -44,7 +44,7 @@ pub(super) fn run(
     program: &Path,
     folder: &Path,
     arguments: &[OsString],
-    stdout: Stdout,
+    (stdin, stdout): (Option<&Path>, Stdout),
     interrupt: Option<Interrupt>,
     longest: Duration,
 ) -> io::Result<Ending> {
@@ -54,7 +54,12 @@ pub(super) fn run(
     command
         .args(arguments)
         .current_dir(folder)
-        .stdin(Stdio::null());
+        // What is left among temporary files is seen, too.
+        .env("TMPDIR", folder)
+        .stdin(match stdin {
+            Some(path) => File::open(path)?.into(),
+            None => Stdio::null(),
+        });
     command.stderr(File::create(&err)?);
     match stdout {
         Stdout::Kept => command.stdout(File::create(&out)?),

@@ -95,6 +95,39 @@ Ks 0.2 0.2 0.2
 Ns 20
 ";
 
+const POLYGONS: &str = "\
+ply
+format ascii 1.0
+comment TextureFile check.png
+element vertex 4
+property float x
+property float y
+property float z
+property float s
+property float t
+property uchar red
+property uchar green
+property uchar blue
+element face 2
+property list uchar int vertex_indices
+end_header
+-1 -1 0 0 0 255 0 0
+1 -1 0 1 0 0 255 0
+1 1 0 1 1 0 0 255
+-1 1 0 0 1 9 9 9
+4 0 1 2 3
+3 0 2 3
+";
+
+/// Models of the examples, as they are.
+const ASSETS: [&str; 5] = [
+    "gltf/bent.glb",
+    "gltf/plates.gltf",
+    "gltf/plates.bin",
+    "gltf/leaf card.png",
+    "models/cube.stl",
+];
+
 /// A folder of its own for each case.
 #[derive(Debug)]
 pub(super) struct Desk {
@@ -119,6 +152,20 @@ impl Desk {
             "walk.json",
             r#"[{"eye":[0,1,6],"look":[0,1,0]},{"eye":[3,1,6],"look":[0,1,0],"fov":40}]"#,
         )?;
+        put(
+            "cams.json",
+            r#"[{"name":"l","eye":[0,1,6],"look":[0,0,0]},{"name":"r","matrix":[[1,0,0,0],[0,1,0,0],[0,0,1,6],[0,0,0,1]],"fx":20,"fy":20,"cx":8,"cy":6,"width":16,"height":12}]"#,
+        )?;
+        put("models.txt", "# Both.\nall.scene\nm.obj\n")?;
+        put("p.ply", POLYGONS)?;
+        let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+        for name in ASSETS {
+            let from = assets.join(name);
+            fs::write(
+                desk.path(from.file_name().unwrap_or_default()),
+                fs::read(&from)?,
+            )?;
+        }
         put("list.txt", "sha256:00  check.png\n")?;
         put("secret.txt", &format!("user {SECRET}\n{SECRET} {SECRET}\n"))?;
         let texel = |x: u32, y: u32| image::Rgba([x as u8 * 30, y as u8 * 30, 90, 255]);

@@ -85,7 +85,7 @@ const WORDS: [&str; 40] = [
 pub(super) fn spoilt(name: &str, good: &[u8], rng: &mut Rng) -> Vec<u8> {
     let text = !matches!(
         Path::new(name).extension().and_then(|e| e.to_str()),
-        Some("png" | "gif" | "jpg" | "hdr" | "exr" | "npy")
+        Some("png" | "gif" | "jpg" | "hdr" | "exr" | "npy" | "glb" | "stl" | "bin")
     );
     match rng.below(if text { 22 } else { 10 }) {
         0 => Vec::new(),
@@ -130,12 +130,9 @@ pub(super) fn spoilt(name: &str, good: &[u8], rng: &mut Rng) -> Vec<u8> {
 /// Numbers that a format allows and few expect.
 fn numbers(good: &[u8], rng: &mut Rng) -> Vec<u8> {
     let text = String::from_utf8_lossy(good).into_owned();
-    let mut words: Vec<&str> = text.split_inclusive([' ', '\n', ',', '[', ']']).collect();
-    let is_number = |word: &&str| {
-        word.trim_end_matches([' ', '\n', ',', '[', ']'])
-            .parse::<f64>()
-            .is_ok()
-    };
+    const ENDS: [char; 8] = [' ', '\n', ',', '[', ']', ':', '{', '}'];
+    let mut words: Vec<&str> = text.split_inclusive(ENDS).collect();
+    let is_number = |word: &&str| word.trim_end_matches(ENDS).parse::<f64>().is_ok();
     let places: Vec<usize> = (0..words.len()).filter(|&i| is_number(&words[i])).collect();
     let extremes = [
         "0",
@@ -165,7 +162,7 @@ fn numbers(good: &[u8], rng: &mut Rng) -> Vec<u8> {
             break;
         }
         let at = places[rng.below(places.len())];
-        let end = words[at].trim_start_matches(|c: char| !" \n,[]".contains(c));
+        let end = words[at].trim_start_matches(|c: char| !ENDS.contains(&c));
         fresh.push((at, format!("{}{end}", rng.pick(&extremes))));
     }
     for (at, word) in &fresh {
@@ -298,7 +295,7 @@ pub(super) fn huge(folder: &Path, rng: &mut Rng) -> io::Result<&'static str> {
     let (scene, model) = (folder.join("all.scene"), folder.join("m.obj"));
     let mut text = fs::read_to_string(&scene)?;
     let quad = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-    let kind = rng.below(18);
+    let kind = rng.below(26);
     let mut lines = |n: usize, line: &dyn Fn(usize) -> String| {
         for i in 0..n {
             let _ = writeln!(text, "{}", line(i));
@@ -406,6 +403,72 @@ pub(super) fn huge(folder: &Path, rng: &mut Rng) -> io::Result<&'static str> {
                 format!("{far}v 1e6 0 0\nv 1e6 1 0\nv 1e6 0 1\n{faces}f -1 -2 -3\n"),
             )?;
             "1,000 triangles and a far one"
+        }
+        17 => {
+            lines(4_000, &|i| {
+                format!(
+                    "surf 0.1 0.2 0.3 1 1 0 {i}\nv -2 0 -{i}\nv 2 0 -{i}\nv 0 2 -{i}\nf {} {} {}",
+                    4 + 3 * i,
+                    5 + 3 * i,
+                    6 + 3 * i
+                )
+            });
+            "4,000 materials in a pile"
+        }
+        18 => {
+            let counts = "4294967295";
+            let text = fs::read_to_string(folder.join("p.ply"))?;
+            fs::write(
+                folder.join("p.ply"),
+                text.replace("vertex 4", &format!("vertex {counts}"))
+                    .replace("face 2", &format!("face {counts}")),
+            )?;
+            "a PLY of 4,294,967,295 vertices"
+        }
+        19 => {
+            let mut bytes = fs::read(folder.join("cube.stl"))?;
+            bytes[80..84].fill(255);
+            fs::write(folder.join("cube.stl"), bytes)?;
+            "an STL of 4,294,967,295 triangles"
+        }
+        20 => {
+            let text = fs::read_to_string(folder.join("plates.gltf"))?;
+            let text = text.replace("\"count\":4", "\"count\":4000000000");
+            fs::write(folder.join("plates.gltf"), text)?;
+            "a glTF of 4,000,000,000 vertices"
+        }
+        21 => {
+            let camera = r#"{"eye":[0,1,6],"look":[0,1,0]}"#;
+            let all = vec![camera; 3_000].join(",");
+            fs::write(folder.join("cams.json"), format!("[{all}]"))?;
+            fs::write(folder.join("walk.json"), format!("[{all}]"))?;
+            "3,000 cameras"
+        }
+        22 => {
+            fs::write(folder.join("models.txt"), "none.obj\n".repeat(2_000))?;
+            fs::write(folder.join("cams.json"), "[".repeat(100_000))?;
+            "a list of one missing file and 100,000 brackets"
+        }
+        23 => {
+            let nodes: Vec<String> = (0..20_000)
+                .map(|i| format!("{{\"children\":[{}],\"mesh\":0}}", i + 1))
+                .chain(["{\"mesh\":0}".to_owned()])
+                .collect();
+            let text = fs::read_to_string(folder.join("plates.gltf"))?;
+            let begin = text.find("\"nodes\":[").map_or(0, |at| at + 9);
+            let end = text[begin..].find("}]").map_or(begin, |at| begin + at + 1);
+            let text = format!("{}{}{}", &text[..begin], nodes.join(","), &text[end..]);
+            fs::write(folder.join("plates.gltf"), text)?;
+            "a chain of 20,000 nodes"
+        }
+        24 => {
+            let faces: String = (0..100_000)
+                .map(|i| format!("3 0 {} 2\n", 1 + i % 3))
+                .collect();
+            let text = fs::read_to_string(folder.join("p.ply"))?;
+            let text = text.replace("face 2", "face 100002");
+            fs::write(folder.join("p.ply"), text + &faces)?;
+            "a PLY of 100,002 faces"
         }
         _ => {
             fs::write(

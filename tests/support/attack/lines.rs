@@ -4,9 +4,9 @@ use std::ffi::OsString;
 
 use super::rng::Rng;
 
-/// Good command lines. `@` stands before inputs, `>` before outputs. Verbs whose good runs take long (chart, stability, demo) are
+/// Good command lines. `@` stands before inputs, `>` before outputs, `<` before the file that standard input is. Verbs whose good runs take long (chart, stability, demo) are
 /// only called with something wrong.
-pub(super) const LINES: [&str; 40] = [
+pub(super) const LINES: [&str; 60] = [
     "render @all.scene -o >out.png --resolution 24x18",
     "info @all.scene",
     "uv @m.obj -o >out.obj --map unwrap --pack 64",
@@ -47,13 +47,33 @@ pub(super) const LINES: [&str; 40] = [
     "warp @check.jpg -o >out.png --to 0,0 9,1 8,9 1,7 --size 12x12 --outside repeat",
     "uv @m.obj -o >out.obj --map plane --frame 0,0,0,0,0,0,1,1,1 --tile 1,1",
     "render @all.scene -o >out.png --resolution 16x12 --supersample 2 --threads 1 --interp affine --filter nearest",
+    "render @bent.glb -o >out.png --resolution 16x12 --time 0.5 --msaa 1",
+    "render @plates.gltf -o >out.jpg --resolution 16x12 --env @sky.hdr --env-rotate 30 --tone-map aces",
+    "render @p.ply -o >out.webp --resolution 16x12 --wireframe",
+    "render @cube.stl -o >out.gif --turntable 4 --resolution 16x12",
+    "render @m.obj -o >out.apng --path @walk.json --frames 3 --resolution 16x12",
+    "render @bent.glb -o >cam{n}.png --cameras @cams.json --resolution 16x12",
+    "render @p.ply -o >{view}.png --cameras @cams.json --resolution 16x12 --json",
+    "render @cube.stl -o >out.exr --intrinsics 20,20,8,6 --resolution 16x12 --aov depth,normal",
+    "render @p.ply -o >out.hdr --camera-matrix 1,0,0,0,0,1,0,0,0,0,1,6,0,0,0,1 --exposure 2 --resolution 16x12",
+    "render - <m.obj --texture @check.png -o >out.png --resolution 16x12",
+    "render - <cube.stl --env @sky.exr --shading metallic-roughness -o - --resolution 16x12",
+    "render @@models.txt -o >made/{model}.png --resolution 16x12",
+    "render @p.ply @cube.stl @bent.glb -o >made/{model}.jpg --resolution 16x12 --json",
+    "render @m.obj -o >out.png --bits 16 --material checker --up z --view top --resolution 16x12",
+    "render @m.obj -o >side{view}.png --views front,top --resolution 16x12 --orthographic",
+    "info @bent.glb --json",
+    "info @plates.gltf",
+    "info @p.ply",
+    "info @cube.stl --json",
+    "bake @all.scene --object all --light --size 8 -o >map-{object}.png",
 ];
 
 /// Lines of verbs whose good runs take long: each is wrong in itself.
 const WRONG: [&str; 10] = [
     "chart none.scene -o out.html",
     "chart -o out.txt",
-    "chart -o none/out.html --quick",
+    "chart -o check.png/out.html --quick",
     "stability NONE",
     "stability --jsn",
     "demo none -o out.png",
@@ -63,7 +83,7 @@ const WRONG: [&str; 10] = [
     "chart all.scene -o out.html --resolution 0x0",
 ];
 
-const FLAGS: [&str; 34] = [
+const FLAGS: [&str; 50] = [
     "--resolution",
     "--size",
     "--threads",
@@ -98,9 +118,25 @@ const FLAGS: [&str; 34] = [
     "--shadow-taps",
     "--root",
     "--matrix",
+    "--turntable",
+    "--cameras",
+    "--camera",
+    "--camera-matrix",
+    "--camera-axes",
+    "--intrinsics",
+    "--env",
+    "--env-rotate",
+    "--exposure",
+    "--tone-map",
+    "--texture",
+    "--time",
+    "--animation",
+    "--rate",
+    "--bits",
+    "--memory-limit",
 ];
 
-const VALUES: [&str; 30] = [
+const VALUES: [&str; 36] = [
     "0",
     "-1",
     "1",
@@ -131,6 +167,12 @@ const VALUES: [&str; 30] = [
     "../..",
     "/",
     "QQQQ",
+    "check.png",
+    "cams.json",
+    "walk.json",
+    "nan,nan,nan,nan",
+    "1e-300,1e300,0,0",
+    "1,0,0,1e300,0,1,0,0,0,0,1,0,0,0,0,1",
 ];
 
 /// The words of a line, with what `@` and `>` mark.
@@ -141,20 +183,29 @@ pub(super) struct Line {
     pub(super) inputs: Vec<usize>,
     /// Indices of the words that are outputs.
     pub(super) outputs: Vec<usize>,
+    /// File that is standard input.
+    pub(super) stdin: Option<OsString>,
 }
 
 impl Line {
     pub(super) fn new(text: &str) -> Self {
         let mut line = Self::default();
-        for (i, word) in text.split(' ').enumerate() {
-            let name = if let Some(name) = word.strip_prefix('@') {
-                line.inputs.push(i);
-                name
-            } else if let Some(name) = word.strip_prefix('>') {
-                line.outputs.push(i);
-                name
-            } else {
-                word
+        for word in text.split(' ') {
+            let i = line.words.len();
+            let name = match word.split_at(1) {
+                ("<", name) => {
+                    line.stdin = Some(name.into());
+                    continue;
+                }
+                ("@", name) => {
+                    line.inputs.push(i);
+                    name
+                }
+                (">", name) => {
+                    line.outputs.push(i);
+                    name
+                }
+                _ => word,
             };
             line.words.push(name.into());
         }
@@ -163,6 +214,34 @@ impl Line {
 
     pub(super) fn wrong(rng: &mut Rng) -> Self {
         Self::new(rng.pick(&WRONG))
+    }
+
+    /// The file that an input word names: a list stands behind a `@`.
+    pub(super) fn file(&self, at: usize) -> OsString {
+        let word = &self.words[at];
+        let list = word.to_str().and_then(|word| word.strip_prefix('@'));
+        list.map_or_else(|| word.clone(), OsString::from)
+    }
+
+    /// Files of the desk that the line reads for certain: no output may replace them.
+    pub(super) fn reads(&self) -> Vec<OsString> {
+        let mut names: Vec<OsString> = self.inputs.iter().map(|&at| self.file(at)).collect();
+        let draws = self
+            .words
+            .first()
+            .is_some_and(|verb| matches!(verb.to_str(), Some("render" | "bake")));
+        let more: &[(&str, &[&str])] = &[
+            ("all.scene", &["part.scene", "check.png"]),
+            ("m.obj", &["m.mtl", "check.png"]),
+            ("plates.gltf", &["plates.bin", "leaf card.png"]),
+            ("p.ply", &["check.png"]),
+        ];
+        for (name, named) in more.iter().filter(|_| draws) {
+            if names.iter().any(|known| known == name) {
+                names.extend(named.iter().map(OsString::from));
+            }
+        }
+        names
     }
 
     pub(super) fn text(&self) -> String {
@@ -221,8 +300,13 @@ pub(super) fn odd_name(rng: &mut Rng) -> OsString {
         "*.png",
         "out.PNG",
         "check.png",
+        "./check.png",
         "m.obj",
+        "m.mtl",
         "all.scene",
+        "out.gif",
+        "out{n}.png",
+        "@models.txt",
     ];
     match rng.below(names.len() + 3) {
         0 => "Q".repeat(300).into(),

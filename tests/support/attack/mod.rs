@@ -195,7 +195,10 @@ impl Case {
         let (mut stdout, mut interrupt) = (Stdout::Kept, None);
         let change = match kind {
             Kind::Content => {
-                let name = victim(&line, &mut rng);
+                let name = match &line.stdin {
+                    Some(name) if rng.chance(2) => name.clone(),
+                    _ => victim(&line, &mut rng),
+                };
                 let good = std::fs::read(desk.path(&name))?;
                 let spoilt = inputs::spoilt(&name.to_string_lossy(), &good, &mut rng);
                 std::fs::write(desk.path(&name), spoilt)?;
@@ -209,11 +212,12 @@ impl Case {
             Kind::Name => {
                 let at = line.inputs[rng.below(line.inputs.len())];
                 if rng.chance(3) {
-                    let ending = Path::new(&line.words[at]).extension();
+                    let name = line.file(at);
+                    let ending = Path::new(&name).extension();
                     let ending = ending.map(|e| e.to_string_lossy().into_owned());
                     let name = format!("ab.{}", ending.unwrap_or_default()).into_bytes();
                     let name = not_unicode(&[&[0xff, 0xfe][..], &name].concat());
-                    std::fs::rename(desk.path(&line.words[at]), desk.path(&name))?;
+                    std::fs::rename(desk.path(line.file(at)), desk.path(&name))?;
                     line.words[at] = name;
                 } else {
                     line.words[at] = odd_name(&mut rng);
@@ -250,8 +254,13 @@ impl Case {
                         "env @sky.hdr -o >out.exr --to cube --size 1024",
                         "render @all.scene --path @walk.json --frames 30 -o >out%d.png --resolution 400x300",
                         "warp @check.png -o >out.png --size 3000x3000",
-                        "bake @all.scene --object panel --light --size 1024 -o >out.exr",
-                    ][rng.below(6)],
+                        "bake @m.obj --object panel --light --size 1024 -o >out.exr",
+                        "render @bent.glb -o >out.gif --turntable 200 --resolution 300x200",
+                        "render - <cube.stl --texture @check.png -o >out.apng --turntable 300 --resolution 300x200",
+                        "render @m.obj -o >out.exr --aov depth,normal --resolution 1600x1200",
+                        "render @cube.stl -o >made/{n}.jpg --turntable 100 --resolution 200x150",
+                        "render @@models.txt -o >made/{model}.webp --resolution 1600x1200",
+                    ][rng.below(11)],
                 );
                 interrupt = Some((signal, after));
                 format!("{signal} after {after} ms")
@@ -290,7 +299,14 @@ impl Case {
             program,
             self.desk.root(),
             words,
-            self.stdout,
+            (
+                self.line
+                    .stdin
+                    .as_ref()
+                    .map(|name| self.desk.path(name))
+                    .as_deref(),
+                self.stdout,
+            ),
             self.interrupt,
             longest,
         )?;
@@ -339,7 +355,9 @@ impl Case {
         if let Some(signal) = ending.status.and_then(|status| status.signal()) {
             fault(Fault::Signal, format!("died of signal {signal}"));
         }
-        if cfg!(target_os = "linux") && self.interrupt.is_some() && !ending.ready {
+        // A run that refuses its input may be over before it can be looked at.
+        let refused = matches!(code, Some(2 | 4));
+        if cfg!(target_os = "linux") && self.interrupt.is_some() && !ending.ready && !refused {
             fault(Fault::Signal, "is not ready for signals".into());
         }
         let interrupted = match self.interrupt.map(|(signal, _)| signal) {
@@ -381,8 +399,10 @@ impl Case {
         // Of several inputs some may have been drawn, and a budget or a comparison fails after writing.
         let writes = matches!(code, Some(0 | 1 | 3 | 5));
         let mut lost = Vec::new();
+        let reads = self.line.reads();
         for (name, content_before) in before {
             let unknown = self.kind == Kind::Flags || self.kind == Kind::Output;
+            let unknown = unknown && !reads.iter().any(|read| **read == **name);
             match content(after, name) {
                 None => lost.push(format!("{} is gone", name.display())),
                 // A signal comes before or after an output is whole.
@@ -399,7 +419,8 @@ impl Case {
             for &at in &self.line.outputs {
                 let name = Path::new(&self.line.words[at]);
                 // Prefixes and templates name other files.
-                let plain = name.extension().is_some() && !name.to_string_lossy().contains('%');
+                let plain =
+                    name.extension().is_some() && !name.to_string_lossy().contains(['%', '{']);
                 let now = content(after, name);
                 if plain && now.is_none_or(|now| now.as_deref() == Some(OLD)) {
                     lost.push(format!("{} was not written", name.display()));
@@ -432,11 +453,7 @@ type State = Vec<(PathBuf, Option<Vec<u8>>)>;
 
 /// An input of the line, or a file that its scene or model names.
 fn victim(line: &Line, rng: &mut Rng) -> OsString {
-    let mut names: Vec<OsString> = line
-        .inputs
-        .iter()
-        .map(|&at| line.words[at].clone())
-        .collect();
+    let mut names: Vec<OsString> = line.inputs.iter().map(|&at| line.file(at)).collect();
     if names.iter().any(|name| name == "all.scene") && rng.chance(2) {
         names = [
             "part.scene",
@@ -471,7 +488,13 @@ fn litter(code: Option<i32>, interrupted: bool, before: &State, after: &State) -
 
 /// True if a picture ends as it should, as far as its kind says so.
 fn whole(bytes: &[u8]) -> bool {
-    bytes == OLD || !bytes.starts_with(b"\x89PNG") || bytes.ends_with(b"IEND\xaeB\x60\x82")
+    let kinds: [(&[u8], &[u8]); 3] = [
+        (b"\x89PNG", b"IEND\xaeB\x60\x82"),
+        (b"GIF8", b"\x3b"),
+        (b"\xff\xd8", b"\xff\xd9"),
+    ];
+    let known = kinds.iter().find(|(first, _)| bytes.starts_with(first));
+    bytes == OLD || known.is_none_or(|(_, last)| bytes.ends_with(last))
 }
 
 fn text_of(bytes: &[u8]) -> String {

@@ -64,18 +64,17 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     one_stdout(args.json, &args.output)?;
     distinct([&args.output], [&args.scene])?;
     let format = formats::picture(&args.output)?;
-    let scene = load(
-        &args.scene,
-        &LoadOptions {
-            files: args.root.files()?,
-            ..LoadOptions::default()
-        },
-    )?;
+    let files = args.root.files()?;
+    let options = LoadOptions {
+        files: files.clone(),
+        ..LoadOptions::default()
+    };
+    let scene = load(&args.scene, &options)?;
     // Edges in pixels are measured by the light map's own size.
     let scene = texmap_mesh::tessellate(&scene, args.size).map_err(refused)?;
     let meshes = find(&scene, &args.object)?;
     let outputs = outputs(args, &scene, &meshes)?;
-    distinct(&outputs, [&args.scene])?;
+    distinct(&outputs, files.recorded())?;
     let mut written = Written::new("bake");
     let bare = |mesh: &&Mesh| args.object == "all" && !has_coordinates(mesh);
     for mesh in scene.meshes.iter().filter(bare) {

@@ -62,7 +62,8 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
     }
     let chart = args.svg.iter().map(|folder| folder.join("chart.svg"));
     let outputs = args.output.iter().chain(&args.prices).cloned();
-    distinct(outputs.chain(chart), &args.scene)?;
+    let named: Vec<PathBuf> = outputs.chain(chart).collect();
+    distinct(&named, &args.scene)?;
     let mut outputs = Vec::new();
     for path in &args.output {
         outputs.push((Kind::of(path)?, Destination::new(path)?));
@@ -86,13 +87,13 @@ pub(crate) fn run(args: &ChartArgs) -> Result<Exit, Failure> {
     let mut report = |done: usize, of: usize, _: &str| progress.update(done, of);
     let panels: Vec<Panel> = match &args.scene {
         Some(path) => {
-            let scene = texmap_io::load(
-                path,
-                &texmap_io::LoadOptions {
-                    files: args.root.files()?,
-                    ..texmap_io::LoadOptions::default()
-                },
-            )?;
+            let files = args.root.files()?;
+            let options = texmap_io::LoadOptions {
+                files: files.clone(),
+                ..texmap_io::LoadOptions::default()
+            };
+            let scene = texmap_io::load(path, &options)?;
+            distinct(&named, files.recorded())?;
             let size = (args.resolution.width, args.resolution.height);
             let panel = chart::scene_panel(&scene, size, effort, &mut report).map_err(|e| {
                 Failure::new(

@@ -34,13 +34,10 @@ pub(crate) struct Root {
 }
 
 impl Root {
+    /// Records what is read, for [`distinct`](crate::output::distinct): outputs must be none of it.
     pub(crate) fn files(&self) -> Result<FileSource, Failure> {
         let within = |folder: &PathBuf| FileSource::within(folder);
-        Ok(self
-            .root
-            .as_ref()
-            .map(within)
-            .transpose()?
-            .unwrap_or_default())
+        let files = self.root.as_ref().map(within).transpose()?;
+        Ok(files.unwrap_or_default().recording())
     }
 }

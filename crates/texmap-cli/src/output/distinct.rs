@@ -48,7 +48,9 @@ impl Identity {
 
 /// Refuses outputs of which one is an input or another output, whatever links and spellings lie between.
 ///
-/// Every verb calls this before it reads anything. Inputs that are missing and words that are no files may be named too.
+/// Every verb calls this before it reads anything, and one that reads scenes again with what they name
+/// ([`FileSource::recorded`](texmap_io::FileSource::recorded)), before it draws. Inputs that are missing and words that are no files
+/// may be named too.
 pub(crate) fn distinct<O, I>(
     outputs: impl IntoIterator<Item = O>,
     inputs: impl IntoIterator<Item = I>,

@@ -1,4 +1,5 @@
-//! Temporary folders beside the outputs. Each holds a locked file, which tells folders in use from those of killed runs.
+//! Temporary folders beside the outputs, and one for a copy of standard input. Each holds a locked file, which tells folders in use
+//! from those of killed runs.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -18,7 +19,7 @@ const LOCK: &str = "lock";
 
 /// A temporary folder that is removed when it is dropped, when a signal ends the program, or by a later run.
 #[derive(Debug)]
-pub(super) struct Folder {
+pub(crate) struct Folder {
     /// Taken when it is removed.
     folder: Option<TempDir>,
     /// Its full name: a relative one would point elsewhere if the working directory changed.
@@ -29,7 +30,7 @@ pub(super) struct Folder {
 
 impl Folder {
     /// Makes a folder in `at`, after removing the folders of killed runs there.
-    pub(super) fn new(at: &Path) -> io::Result<Self> {
+    pub(crate) fn new(at: &Path) -> io::Result<Self> {
         sweep_once(at);
         // Locked before a signal can find the folder missing from the list.
         let mut known = interrupt::folders();
@@ -45,7 +46,7 @@ impl Folder {
         })
     }
 
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 }

@@ -28,10 +28,9 @@ impl ObjText {
     /// # Errors
     /// File errors, a statement that is wrong, with line and column, or [`IoError::Memory`].
     pub fn read(path: &Path, files: &FileSource) -> Result<Self, IoError> {
-        let text = files.read_text(path, MAX_TEXT)?;
-        // Measured on a grid of a million vertices: the text, its faces, corners and coordinates, and tangents of all corners.
-        let what = format_args!("what the {} bytes of {} say", text.len(), path.display());
-        files.ask(24 * text.len() as u64, what, "split the model", None)?;
+        // Measured on a grid of a million vertices: its faces, corners and coordinates, and tangents of all corners take 24 times
+        // the bytes of the text.
+        let text = files.text_for(path, None, MAX_TEXT, (24, "split the model"))?;
         Self::parse(path, text).map_err(|error| match is_called(path, "obj") {
             true => error,
             false => error.without_words(),
@@ -237,6 +236,29 @@ mod tests {
 
     fn fault_line(read: Result<ObjText, IoError>) -> u32 {
         read.unwrap_err().location().unwrap().line
+    }
+
+    #[test]
+    fn the_memory_budget_is_asked_once_for_what_the_text_says() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        static ASKED: AtomicUsize = AtomicUsize::new(0);
+        let used = || {
+            ASKED.fetch_add(1, Ordering::Relaxed);
+            0
+        };
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        // Twelve times its bytes are asked for already, the bytes themselves are not.
+        std::fs::write(&path, format!("{QUAD}{}", "# \n".repeat(700_000))).unwrap();
+        let budget = texmap_math::MemoryBudget::measured(40 << 20, used);
+        let files = FileSource::anywhere().with_memory(budget);
+        let error = ObjText::read(&path, &files).unwrap_err();
+        assert_eq!(error.code(), "over-memory-budget");
+        assert_eq!(ASKED.load(Ordering::Relaxed), 1);
+        let budget = texmap_math::MemoryBudget::measured(60 << 20, used);
+        let files = FileSource::anywhere().with_memory(budget);
+        assert_eq!(ObjText::read(&path, &files).unwrap().positions().len(), 4);
+        assert_eq!(ASKED.load(Ordering::Relaxed), 2);
     }
 
     #[test]

@@ -160,7 +160,10 @@ pub(super) fn surface<'s>(
         .decal
         .as_ref()
         .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
-    let clear_texels = base_color.as_ref().is_some_and(Slot::can_be_transparent);
+    // The texels of a ramp stand in for those of the texture.
+    let ramped = material.solid.is_none().then_some(color_ramp.as_ref());
+    let mut read = base_color.iter().chain(ramped.flatten());
+    let clear_texels = base_color.is_some() && read.any(Slot::can_be_transparent);
     // The lit surface is out of sight behind a decal that covers it.
     let shows_surface = base_color.is_none()
         || material.texture_role == TextureRole::Modulate

@@ -27,7 +27,7 @@ use crate::cmd::render::report::{
 use crate::cmd::render::wire;
 use crate::cmd::render::write::{Store, values};
 use crate::failure::{Failure, Refusal, say};
-use crate::output::{Destination, Stage};
+use crate::output::{Destination, Stage, distinct};
 use crate::progress::Progress;
 use crate::values::AovArg;
 
@@ -41,25 +41,10 @@ pub(crate) fn item(
     files: &FileSource,
 ) -> Result<Vec<ItemReport>, Failure> {
     let began = Instant::now();
-    let size = args.resolution;
     let scene_file = is_scene(file);
-    let options = LoadOptions {
-        aspect: f64::from(size.width) / f64::from(size.height),
-        framing: args.camera.framing(file),
-        missing: args
-            .look
-            .missing
-            .or((!scene_file).then_some(Missing::Checker)),
-        color: args.color,
-        // Standard input names no files of this machine.
-        files: match file == item.input {
-            true => files.clone(),
-            false => FileSource::within(file.parent().unwrap_or(Path::new(".")))?,
-        },
-        camera: args.camera.named.clone(),
-        time: args.time,
-        animation: args.animation.clone(),
-    };
+    // What this input names, and not what all others do.
+    let files = &files.clone().recording();
+    let options = options(args, item, file, files)?;
     let mut scene = load(file, &item.input, &options)?;
     if let Some(background) = args.background {
         scene.background = background.0;
@@ -73,6 +58,8 @@ pub(crate) fn item(
     });
     let up = options.framing.up;
     args.light.light(&mut scene, scene_file, floats, up)?;
+    // No picture replaces what it is made of.
+    distinct(item.outputs(args)?, files.recorded())?;
     let load = milliseconds(began.elapsed());
     let sampled = args.supersample.is_some() || args.budget().is_some();
     let context = Context {
@@ -122,6 +109,54 @@ pub(crate) fn item(
             pictures.collect()
         }
     }
+}
+
+/// The options that an input is loaded with.
+fn options(
+    args: &RenderArgs,
+    item: &Item,
+    file: &Path,
+    files: &FileSource,
+) -> Result<LoadOptions, Failure> {
+    let size = args.resolution;
+    let checker = (!is_scene(file)).then_some(Missing::Checker);
+    Ok(LoadOptions {
+        aspect: f64::from(size.width) / f64::from(size.height),
+        framing: args.camera.framing(file),
+        missing: args.look.missing.or(checker),
+        color: args.color,
+        // Standard input names no files of this machine.
+        files: match file == item.input {
+            true => files.clone(),
+            false => FileSource::within(file.parent().unwrap_or(Path::new(".")))?,
+        },
+        camera: args.camera.named.clone(),
+        time: args.time,
+        animation: args.animation.clone(),
+    })
+}
+
+/// Refuses pictures of one input that others are made of, before the first is written. An input that cannot be loaded is
+/// not drawn either, and says so later.
+pub(super) fn keep_apart(
+    args: &RenderArgs,
+    items: &[(&Item, &Path)],
+    files: &FileSource,
+) -> Result<(), Failure> {
+    let mut outputs = Vec::new();
+    for (item, _) in items {
+        outputs.extend(item.outputs(args)?);
+    }
+    // What is not there yet is read by none.
+    outputs.retain(|output| output.is_file());
+    if items.len() < 2 || outputs.is_empty() {
+        return Ok(());
+    }
+    let files = &files.clone().recording();
+    for (item, file) in items {
+        let _ = load(file, &item.input, &options(args, item, file, files)?);
+    }
+    distinct(outputs, files.recorded())
 }
 
 /// Loads a file. Standard input is named as such in warnings and errors.

@@ -3,11 +3,11 @@
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
 use texmap_io::FileSource;
 
 use crate::failure::{Exit, Failure};
 use crate::os_name;
+use crate::output::Folder;
 
 /// A model from standard input is refused above this size: 2 GiB, as files are.
 const MAX_STDIN: u64 = 1 << 31;
@@ -17,7 +17,7 @@ const MAX_STDIN: u64 = 1 << 31;
 pub(crate) struct Inputs {
     /// As they are named in reports; `-` for standard input.
     pub(crate) names: Vec<PathBuf>,
-    stdin: Option<(TempDir, PathBuf)>,
+    stdin: Option<(Folder, PathBuf)>,
 }
 
 impl Inputs {
@@ -75,7 +75,7 @@ fn listed(list: &Path, files: &FileSource) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// Standard input as a file with the ending of its format.
-fn from_stdin() -> Result<(TempDir, PathBuf), Failure> {
+fn from_stdin() -> Result<(Folder, PathBuf), Failure> {
     let refused = |e: io::Error| {
         Failure::new(
             Exit::Input,
@@ -93,10 +93,7 @@ fn from_stdin() -> Result<(TempDir, PathBuf), Failure> {
     if bytes.len() as u64 > MAX_STDIN {
         return Err(refused(io::Error::other("it has more than 2 GiB")));
     }
-    let folder = tempfile::Builder::new()
-        .prefix(".texmap-stdin-")
-        .tempdir()
-        .map_err(refused)?;
+    let folder = Folder::new(&std::env::temp_dir()).map_err(refused)?;
     let file = folder.path().join(format!("stdin.{}", ending(&bytes)));
     std::fs::write(&file, &bytes).map_err(refused)?;
     Ok((folder, file))

@@ -1,6 +1,6 @@
 //! The light on surfaces, and its way to display light.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
@@ -79,6 +79,14 @@ fn tone_map(text: &str) -> Result<ToneMap, String> {
 }
 
 impl LightArgs {
+    /// The picture of light from all around.
+    pub(crate) fn picture(&self) -> Option<&Path> {
+        match &self.env {
+            Some(Env::Picture(path)) => Some(path),
+            _ => None,
+        }
+    }
+
     /// Lights a scene that has its look. `scene_file`: the scene keeps its own light. `floats`: the picture is written as light without an
     /// upper end, which no tone mapping changes unless one is asked for.
     pub(crate) fn light(

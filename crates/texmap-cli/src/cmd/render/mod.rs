@@ -150,12 +150,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let files = args.root.files()?;
     let cameras = args.camera.list(&files)?;
     let inputs = Inputs::read(&args.inputs, &files)?;
-    let items = plan::items(args, &inputs.names, args.camera.names(&cameras).as_deref())?;
+    let names = args.camera.names(&cameras);
+    let items = plan::items(args, &inputs.names, &files.recorded(), names.as_deref())?;
     let cameras = args.camera.walk(&files, cameras)?;
     let mut reports: Vec<ItemReport> = Vec::new();
     let mut failures = Vec::new();
-    for item in &items {
-        let file = inputs.file(&item.input);
+    let sources: Vec<_> = items
+        .iter()
+        .map(|item| (item, inputs.file(&item.input)))
+        .collect();
+    draw::keep_apart(args, &sources, &files)?;
+    for (item, file) in sources {
         match draw::item(args, item, file, level, &cameras, &files) {
             Ok(done) => reports.extend(done),
             // Alone, a bad input is the whole answer; among others it is one line of the report.

@@ -43,6 +43,12 @@ impl Item {
             _ => self.output.iter().map(PathBuf::as_path).collect(),
         }
     }
+
+    /// All its files: the pictures, and what lies beside them.
+    pub(super) fn outputs(&self, args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
+        let all = destinations(args, self)?.into_iter();
+        Ok(all.map(|(path, _)| path).collect())
+    }
 }
 
 /// The name of frame `n`, if the name has a number field such as `%04d`.
@@ -55,10 +61,11 @@ pub(crate) fn numbered(output: &Path, n: u32) -> Option<PathBuf> {
 }
 
 /// Names all outputs and checks them: endings, numbers, duplicates, and that each can be written. `shots` are the names of the pictures of
-/// each input, if there are several.
+/// each input, if there are several; `read` are lists that were read.
 pub(crate) fn items(
     args: &RenderArgs,
     inputs: &[PathBuf],
+    read: &[PathBuf],
     shots: Option<&[Option<String>]>,
 ) -> Result<Vec<Item>, Failure> {
     let mut items = name(inputs, args.output.as_deref())?;
@@ -87,8 +94,9 @@ pub(crate) fn items(
         }
         outputs.extend(mine.into_iter().map(|(path, _)| path));
     }
-    let read = inputs.iter().chain(&args.camera.path);
+    let read = inputs.iter().chain(read).chain(&args.camera.path);
     let read = read.chain(&args.camera.cameras).chain(&args.look.texture);
+    let read = read.map(PathBuf::as_path).chain(args.light.picture());
     distinct(outputs, read)?;
     Ok(items)
 }

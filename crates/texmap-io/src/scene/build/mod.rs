@@ -1,5 +1,6 @@
 //! Statements to a scene, in one pass.
 
+mod known;
 mod models;
 
 use std::path::PathBuf;
@@ -44,6 +45,8 @@ pub(super) struct Builder {
     facets: Facets,
     /// The light, faces or model that a `name` line names.
     pub(super) added: Added,
+    /// Materials of the scene.
+    known: known::Known,
     /// Effects that some face has in vain, reported once each.
     reported: Vec<(&'static str, &'static str)>,
 }
@@ -61,6 +64,7 @@ impl Builder {
             bones: Bones::default(),
             facets: Facets::default(),
             added: Added::Nothing,
+            known: known::Known::default(),
             reported: Vec::new(),
         }
     }
@@ -319,14 +323,10 @@ impl Builder {
             }
         }
         let materials = &mut self.scene.materials;
-        // Faces of one kind follow each other, so the search begins at the end.
-        match materials.iter().rposition(|m| *m == material) {
-            Some(index) => index,
-            None => {
-                materials.push(material);
-                materials.len() - 1
-            }
-        }
+        self.known.find(materials, &material).unwrap_or_else(|| {
+            materials.push(material);
+            materials.len() - 1
+        })
     }
 }
 
@@ -336,7 +336,9 @@ impl Builder {
         let Some(slot) = &material.base_color else {
             return false;
         };
-        let clear = self.textures.textures[slot.texture].has_alpha();
+        let ramp = material.color_ramp.iter();
+        let mut read = std::iter::once(slot).chain(ramp.filter(|_| material.solid.is_none()));
+        let clear = read.any(|slot| self.textures.textures[slot.texture].has_alpha());
         material.texture_role == TextureRole::Decal
             && !(material.alpha == AlphaMode::Opaque && clear)
     }

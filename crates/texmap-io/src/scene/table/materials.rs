@@ -48,7 +48,7 @@ pub(super) const SPECS: &[Spec] = &[
         word: "ramp",
         args: &[Either(&[&[File], &[OneOf(&["none"])]])],
         default: "none",
-        help: "setting: the first channel of the solid, else of the texture, is looked up along the first row of this picture: heat colours. It is the transfer function of later volumes",
+        help: "setting: the first channel of the solid, else of the texture, is looked up along the first row of this picture: heat colours, whose alpha shows as that of a texture does, but cuts nothing out. It is the transfer function of later volumes",
         set: Fallible(|b, line| {
             b.settings.materials.ramp = materials::ramp(b, line)?;
             Ok(())
