@@ -1,4 +1,4 @@
-//! Light baked into textures: light maps of meshes and environments captured from a point of the scene.
+//! Light baked into textures: light maps of meshes, environments captured from a point of the scene and the shadow on the ground.
 //!
 //! Meshes are read as triangles: `texmap_mesh::tessellate` comes first where there are displacement maps or billboards.
 //!
@@ -30,7 +30,9 @@
 #![forbid(unsafe_code)]
 
 mod environment;
+mod ground_shadow;
 mod light_map;
 
 pub use environment::capture_environment;
+pub use ground_shadow::GroundShadow;
 pub use light_map::{BakeOptions, LightMap, bake};

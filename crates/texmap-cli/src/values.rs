@@ -122,18 +122,25 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected seconds, such as 1.5".to_owned())
 }
 
-/// `#rrggbb`, `#rrggbbaa`, `r,g,b`, `r,g,b,a` (0 to 1) or `transparent`.
+/// `#rrggbb`, `#rrggbbaa`, `r,g,b`, `r,g,b,a` (0 to 1), `transparent` or `env`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Background(pub(crate) [f32; 4]);
+pub(crate) enum Background {
+    /// sRGB and alpha.
+    Color([f32; 4]),
+    /// The light from all around.
+    Env,
+}
 
 impl FromStr for Background {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         const EXPECTED: &str =
-            "expected #rrggbb, #rrggbbaa, r,g,b or r,g,b,a (0 to 1), or transparent";
-        if text == "transparent" {
-            return Ok(Self([0.0; 4]));
+            "expected #rrggbb, #rrggbbaa, r,g,b or r,g,b,a (0 to 1), transparent or env";
+        match text {
+            "transparent" => return Ok(Self::Color([0.0; 4])),
+            "env" => return Ok(Self::Env),
+            _ => {}
         }
         if let Some(hex) = text.strip_prefix('#') {
             if !matches!(hex.len(), 6 | 8) || !hex.bytes().all(|b| b.is_ascii_hexdigit()) {
@@ -142,7 +149,7 @@ impl FromStr for Background {
             let byte = |i: usize| {
                 u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).map_or(1.0, |b| f32::from(b) / 255.0)
             };
-            return Ok(Self([
+            return Ok(Self::Color([
                 byte(0),
                 byte(1),
                 byte(2),
@@ -154,7 +161,7 @@ impl FromStr for Background {
             return Err(EXPECTED.to_owned());
         }
         let part = |i: usize| values.get(i).map_or(1.0, |v| *v as f32);
-        Ok(Self([part(0), part(1), part(2), part(3)]))
+        Ok(Self::Color([part(0), part(1), part(2), part(3)]))
     }
 }
 
@@ -330,11 +337,15 @@ mod tests {
     fn a_background_is_hex_parts_or_transparent() {
         assert_eq!(
             "#ff0080".parse(),
-            Ok(Background([1.0, 0.0, 128.0 / 255.0, 1.0]))
+            Ok(Background::Color([1.0, 0.0, 128.0 / 255.0, 1.0]))
         );
-        assert_eq!("#00000000".parse(), Ok(Background([0.0; 4])));
-        assert_eq!("transparent".parse(), Ok(Background([0.0; 4])));
-        assert_eq!("0,0.5,1".parse(), Ok(Background([0.0, 0.5, 1.0, 1.0])));
+        assert_eq!("#00000000".parse(), Ok(Background::Color([0.0; 4])));
+        assert_eq!("transparent".parse(), Ok(Background::Color([0.0; 4])));
+        assert_eq!("env".parse(), Ok(Background::Env));
+        assert_eq!(
+            "0,0.5,1".parse(),
+            Ok(Background::Color([0.0, 0.5, 1.0, 1.0]))
+        );
         for bad in [
             "#fff",
             "#ggggggg",

@@ -1,5 +1,7 @@
 //! The textures of a scene, each file decoded once.
 
+mod packed;
+
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -38,6 +40,13 @@ pub(crate) struct MapFile {
 /// A texture, and the width, height and bits of its file.
 type Decoded = (Texture2d<'static>, (u32, u32, u32));
 
+/// A map and the line that names it.
+#[derive(Debug, Clone)]
+pub(crate) struct MapSource {
+    pub(crate) path: PathBuf,
+    pub(crate) location: SourceLocation,
+}
+
 #[derive(Debug, Default)]
 pub(crate) struct Textures {
     pub(crate) textures: Vec<Texture2d<'static>>,
@@ -63,6 +72,10 @@ pub(crate) struct Textures {
     pub(crate) models: HashMap<(PathBuf, Missing, bool), (Model, usize)>,
     /// Bytes of those that were read before.
     repeated: usize,
+    /// Textures of two files: of roughness and of metalness.
+    packed: Vec<([Option<PathBuf>; 2], usize)>,
+    /// Materials are those of the classic model: what only others show is named and not read.
+    pub(crate) classic: bool,
     /// Textures that no file holds.
     made: Vec<(&'static str, usize)>,
 }

@@ -1,18 +1,17 @@
 //! Environments that light surfaces: their light gathered by the lobes of roughnesses and by a diffuse surface.
 
 mod gather;
+mod prefilter;
 mod studio;
-
-use alloc::vec::Vec;
 
 use texmap_math::deterministic_f64;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
+use crate::EnvironmentLayout;
 use crate::environment::Environment;
 use crate::error::LightError;
 use crate::lanes::Vector;
-use crate::{EnvironmentLayout, level};
-use gather::{Kernel, Texels};
+pub use prefilter::Prefilter;
 
 /// Light from every direction as surfaces receive it: the sum over all directions is taken once, for each of eleven roughnesses and
 /// for a diffuse surface, and read by direction. Radiances from 0 to a million; others count as the nearer end.
@@ -27,28 +26,12 @@ pub struct EnvironmentLight {
     diffuse: Environment,
     /// Cosine and sine of the turn about +Y.
     turn: [f32; 2],
+    /// Its +Y stands on +Z.
+    z_up: bool,
 }
 
 /// Levels of roughness but the first.
 const STEPS: usize = 10;
-/// Texels a side of the diffuse cube: the kink that a sun makes at its horizon is off by 1.2 % of its light. (Nine spherical
-/// harmonics are off by 6 %.)
-const DIFFUSE_SIZE: u32 = 32;
-/// Most texels a side of the environment that a diffuse surface gathers.
-const DIFFUSE_SOURCE: u32 = 64;
-/// Brightest texel.
-const MOST: f32 = 1e6;
-
-/// Texels a side that the lobe of a level needs, at most.
-fn side(step: usize) -> u32 {
-    match step {
-        0 | 1 => 128,
-        2..=3 => 64,
-        4..=6 => 32,
-        _ => 16,
-    }
-}
-
 impl EnvironmentLight {
     /// The light that the lobes gather of an environment, from a cube of `size` texels a side. `size` is at least 16 and at most
     /// [`Environment::MAX_SIDE`]; a quarter of a lat-long's width keeps its detail. With the feature `rayon` by every thread of the
@@ -57,65 +40,28 @@ impl EnvironmentLight {
     /// # Errors
     /// [`LightError::LayoutSize`] for another size.
     pub fn new(environment: &Environment, size: u32) -> Result<Self, LightError> {
-        if size < 16 {
-            return Err(LightError::LayoutSize {
-                chart: EnvironmentLayout::Cube,
-                width: size,
-                height: size,
-            });
-        }
-        let same = environment.layout() == EnvironmentLayout::Cube && environment.size().0 == size;
-        let cube = if same {
-            environment.clone()
-        } else {
-            environment.convert(EnvironmentLayout::Cube, size)?
-        };
-        Self::of_cube(cube)
+        Prefilter::new(environment, size).and_then(Self::of_prefilter)
     }
 
     /// The light of a cube that has the size of level 0.
     fn of_cube(cube: Environment) -> Result<Self, LightError> {
-        let (size, _) = cube.size();
-        let mut cube = cube;
-        for texel in cube.texels.iter_mut().flatten() {
-            *texel = F32s::<Scalar>::clamp(*texel, 0.0, MOST);
-        }
-        let cube = cube.with_mips();
-        // The level of at most so many texels a side.
-        let level_of = |most: u32| {
-            let sizes = cube.levels.iter();
-            sizes
-                .take_while(|level| level.width > most)
-                .count()
-                .min(cube.levels.len() - 1)
-        };
-        let mut sources: Vec<(usize, Texels)> = Vec::new();
-        let mut gathered = |source: usize, size: u32, kernel: Kernel| {
-            if sources.iter().all(|(level, _)| *level != source) {
-                sources.push((source, Texels::new(&cube, source)));
-            }
-            let found = sources.iter().find(|(level, _)| *level == source);
-            let texels = found.map(|(_, texels)| texels);
-            let level = level();
-            Environment::from_directions(EnvironmentLayout::Cube, size, |face, centre, sides| {
-                let r = EnvironmentLayout::Cube.direction(face, centre / sides);
-                texels.map_or([0.0; 3], |texels| texels.gather(level, kernel, r))
-            })
-        };
+        Self::of_prefilter(Prefilter::of_cube(cube))
+    }
+
+    fn of_prefilter(mut prefilter: Prefilter) -> Result<Self, LightError> {
+        let (layout, size) = (EnvironmentLayout::Cube, prefilter.cube().size().0);
         let mut rough = alloc::vec![];
         for step in 1..=STEPS {
-            let size = size.min(side(step));
             let roughness = step as f32 / STEPS as f32;
-            let kernel = Kernel::ggx(roughness * roughness);
-            // The smallest are gathered from more: their patches of sixteen are wide.
-            let source = if size > 16 { size } else { 2 * size };
-            rough.push(gathered(level_of(source), size, kernel)?);
+            let size = prefilter::size_of(size, roughness);
+            rough.push(prefilter.lobe(layout, size, roughness)?);
         }
-        let diffuse = gathered(level_of(DIFFUSE_SOURCE), DIFFUSE_SIZE, Kernel::Cosine)?;
+        let diffuse = prefilter.diffuse(layout, prefilter::DIFFUSE_SIZE)?;
         Ok(Self {
-            rough: Environment::of_levels(&cube, &rough),
+            rough: Environment::of_levels(prefilter.cube(), &rough),
             diffuse,
             turn: [1.0, 0.0],
+            z_up: false,
         })
     }
 
@@ -124,6 +70,13 @@ impl EnvironmentLight {
     pub fn turned(mut self, angle: f64) -> Self {
         let (sin, cos) = deterministic_f64::sin_cos(angle);
         self.turn = [cos as f32, sin as f32];
+        self
+    }
+
+    /// Upright on +Z: what was at +Y, above, comes to +Z and what was at +Z, in front, to -Y. A [turn](Self::turned) is one about +Z then.
+    #[must_use]
+    pub fn upright_on_z(mut self) -> Self {
+        self.z_up = true;
         self
     }
 
@@ -174,8 +127,12 @@ impl EnvironmentLight {
 
     /// A direction in the environment's own axes.
     #[inline(always)]
-    fn turned_lanes<I: Isa>(&self, _: I, [x, y, z]: Vector<I>) -> Vector<I> {
+    fn turned_lanes<I: Isa>(&self, _: I, direction: Vector<I>) -> Vector<I> {
         let [cos, sin] = self.turn;
+        let [x, y, z] = match (self.z_up, direction) {
+            (false, d) => d,
+            (true, [x, y, z]) => [x, z, -y],
+        };
         [x * cos - z * sin, y, x * sin + z * cos]
     }
 }

@@ -63,13 +63,14 @@ mod share;
 mod tone_map;
 mod vector;
 
+pub use albedo::split_sum;
 pub use bump::{
     Heights, NormalMapGreen, Slope, bump, decode_normal, decode_offsets, encode_normal,
     encode_offsets,
 };
 pub use environment::Environment;
 pub use environment_layout::{EnvironmentLayout, UnknownLayout};
-pub use environment_light::EnvironmentLight;
+pub use environment_light::{EnvironmentLight, Prefilter};
 pub use error::LightError;
 pub use metallic_roughness::{
     MIN_ROUGHNESS, MetallicRoughnessSurface, SHEEN_MIN_ROUGHNESS, dielectric_f0,

@@ -18,7 +18,7 @@ use texmap_sample::Origin;
 use crate::frame_resources::FrameResources;
 use crate::shade::compose::Display;
 use crate::shade::coordinates::{Coordinates, EyeRays};
-use crate::shade::sky::SkyStage;
+use crate::shade::sky::{Sky, SkyStage};
 use crate::shade::unlit::UnlitColor;
 use crate::shade::volume::VolumeStage;
 use crate::textures::{Chains, Slot};
@@ -180,18 +180,22 @@ fn sky<'s>(
         }
         Background::Environment(index) => {
             let environment = &scene.effects.environments[*index];
-            let rays = view.rays();
-            let stage = SkyStage::new(
-                environment,
-                &rays,
-                view.view_from_world,
-                Display::new(scene.effects.tone_mapping),
-            );
-            surface.space = Some(Space::Sky(stage));
-            surface.shaded = 0;
+            show(&mut surface, Sky::Chart(environment), scene, view);
+        }
+        Background::EnvironmentLight => {
+            let light = scene.effects.environment_light.as_ref()?;
+            show(&mut surface, Sky::Light(light), scene, view);
         }
     }
     Some(surface)
+}
+
+/// Makes a surface show a sky.
+fn show<'s>(surface: &mut Surface<'s>, sky: Sky<'s>, scene: &Scene, view: &View) {
+    let display = Display::new(scene.effects.tone_mapping);
+    let stage = SkyStage::new(sky, &view.rays(), view.view_from_world, display);
+    surface.space = Some(Space::Sky(stage));
+    surface.shaded = 0;
 }
 
 #[cfg(test)]

@@ -224,6 +224,9 @@ pub enum Background {
     Picture(TextureSlot),
     /// The light of [`Effects::environments`](crate::Effects) in the direction of each pixel.
     Environment(usize),
+    /// The scene's [`environment_light`](Effects::environment_light) in the direction of each pixel, with its turn: what a mirror
+    /// shows.
+    EnvironmentLight,
 }
 
 /// A box of matter, marched through at every pixel up to the solid surface there. Blended over everything else, several in

@@ -1,8 +1,6 @@
 //! The metallic-roughness model of a surface (glTF 2.0, appendix B) with its extensions, as data.
 
-use texmap_light::PhongMaterial;
-
-use crate::TextureSlot;
+use crate::{Material, TextureSlot};
 
 /// Reflectance by metalness and roughness: a GGX lobe over a diffuse base, both lit by lights and by the environment light of
 /// the scene. The base colour is that of the material.
@@ -79,12 +77,15 @@ pub struct Sheen {
 
 impl MetallicRoughness {
     /// A dielectric with highlights about as wide as those of Phong's model: the roughness is `sqrt(2 / (ns + 2))`, the mean slope of
-    /// a Blinn lobe (Walter and others 2007), and `ks` is the strength of the reflection, at most 1.
+    /// a Blinn lobe (Walter and others 2007), `ks` is the strength of the reflection, at most 1, and the map of highlights its colour.
+    /// The map of exponents has no counterpart.
     #[must_use]
-    pub fn of_phong(phong: &PhongMaterial) -> Self {
+    pub fn of_classic(material: &Material) -> Self {
+        let phong = &material.phong;
         Self {
             roughness: (2.0 / (phong.ns + 2.0)).sqrt().min(1.0),
             specular: phong.ks.min(1.0),
+            specular_color_map: material.maps.specular.clone(),
             ..Self::default()
         }
     }
@@ -134,6 +135,7 @@ impl MetallicRoughness {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_light::PhongMaterial;
 
     #[test]
     fn slots_are_those_of_every_layer() {
@@ -164,10 +166,13 @@ mod tests {
     #[test]
     fn shiny_surfaces_are_smooth() {
         let of = |ns, ks| {
-            MetallicRoughness::of_phong(&PhongMaterial {
-                ns,
-                ks,
-                ..PhongMaterial::default()
+            MetallicRoughness::of_classic(&Material {
+                phong: PhongMaterial {
+                    ns,
+                    ks,
+                    ..PhongMaterial::default()
+                },
+                ..Material::default()
             })
         };
         assert!((of(6.0, 0.5).roughness - 0.5).abs() < 1e-6 && of(0.0, 0.0).roughness == 1.0);

@@ -14,6 +14,7 @@ mod light;
 mod looks;
 mod malformed;
 mod memory;
+mod model_light;
 mod outputs;
 mod program;
 mod readme;

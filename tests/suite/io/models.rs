@@ -4,7 +4,7 @@ use texmap_io::scene_file::Missing;
 use texmap_io::{LoadOptions, load};
 use texmap_render::{Frame, RenderSettings, render};
 use texmap_sample::{Origin, Wrap};
-use texmap_scene::{AlphaMode, Scene, TextureRole};
+use texmap_scene::{AlphaMode, MetallicRoughness, Scene, TextureRole};
 
 use crate::support::Files;
 
@@ -269,9 +269,107 @@ fn a_missing_map_of_emission_is_no_black_picture() {
 
 #[test]
 fn statements_that_are_not_drawn_are_told_with_their_line() {
-    let scene = files("newmtl m\nKd 1 1 1\nPr 0.3\nrefl -type sphere map.png\nNi 1.5\n");
-    let told = scene.load("a.obj").expect("a model").warnings;
+    let files = files("newmtl m\nKd 1 1 1\nPr 0.3\nrefl -type sphere map.png\nNi 1.5\n");
+    let told = files.load("a.obj").expect("a model").warnings;
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].contains("a.mtl:4:1") && told[0].contains("`refl`"));
+    // A scene is classic.
+    let scene = files.scene("la 1 1 1\nobj a.obj\n");
+    assert!(
+        scene
+            .materials
+            .iter()
+            .all(|m| m.metallic_roughness.is_none())
+    );
+    let told = scene.warnings;
     assert_eq!(told.len(), 2, "{told:?}");
     assert!(told[0].contains("a.mtl:3:1") && told[0].contains("`Pr`"));
-    assert!(told[1].contains("a.mtl:4:1") && told[1].contains("`refl`"));
+}
+
+/// The model of the only material of an OBJ with this library, and the warnings.
+fn metallic(files: &Files) -> (Scene, MetallicRoughness) {
+    let scene = files.load("a.obj").expect("a model");
+    let used = &scene.materials[scene.meshes[0].material];
+    let model = used.metallic_roughness.clone().expect("metallic-roughness");
+    (scene, model)
+}
+
+#[test]
+fn letters_with_a_p_make_a_material_metallic_roughness() {
+    let (scene, model) = metallic(&files(
+        "newmtl m\nKd 0.5 0.5 0.5\nNs 6\nPr 0.3\nPm 0.8\nPs 0.4\nPc 0.9\nPcr 0.1\nKe 1 0 0\n",
+    ));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert_eq!(
+        (model.roughness, model.metallic, model.specular),
+        (0.3, 0.8, 1.0)
+    );
+    let (coat, sheen) = (model.clearcoat.unwrap(), model.sheen.unwrap());
+    assert_eq!(
+        (coat.factor, coat.roughness, sheen.color),
+        (0.9, 0.1, [0.4; 3])
+    );
+    assert!(scene.materials[scene.meshes[0].material].emission.is_some());
+    // The exponent stands for a roughness that is not given, and layers of no strength are none.
+    let (_, model) = metallic(&files("newmtl m\nNs 6\nPm 1\nPs 0\nPc 0\n"));
+    assert!((model.roughness - 0.5).abs() < 1e-6 && model.metallic == 1.0);
+    assert!(model.clearcoat.is_none() && model.sheen.is_none());
+    // Without a word of the extension the reader leaves the classic model.
+    let plain = files("newmtl m\nNs 6\nKs 1 1 1\nnorm map.png\nKe 1 1 1\n");
+    let plain = plain.load("a.obj").unwrap();
+    assert!(
+        plain
+            .materials
+            .iter()
+            .all(|m| m.metallic_roughness.is_none())
+    );
+}
+
+#[test]
+fn roughness_and_metalness_are_packed_into_one_texture() {
+    let files = |mtl: &str| {
+        files(mtl)
+            .with_png("rough.png", 4, 4, [102, 102, 102, 255])
+            .with_png("metal.png", 2, 2, [51, 51, 51, 255])
+            .with_png("orm.png", 2, 2, [255, 204, 153, 255])
+    };
+    // A map stands in place of its number.
+    let mtl = "newmtl m\nPr 0.5\nPm 0\nmap_Pr -s 2 2 rough.png\nmap_Pm -s 2 2 metal.png\n";
+    let (scene, model) = metallic(&files(mtl));
+    assert_eq!((model.roughness, model.metallic), (1.0, 1.0));
+    let slot = model.map.expect("a map");
+    assert_eq!(slot.transform.scale, [2.0, 2.0]);
+    let texture = &scene.textures[slot.texture];
+    assert_eq!((texture.width(), texture.height()), (4, 4));
+    // Three quarters of the way from the black row of the smaller picture to the other.
+    let [_, green, blue, _] = texture.texel(0, 1, 2).unwrap();
+    assert!(
+        (green - 0.4).abs() < 0.01 && (blue - 0.15).abs() < 0.01,
+        "{green} {blue}"
+    );
+    let told = &scene.warnings;
+    assert!(
+        told.len() == 1 && told[0].contains("2 x 2 pixels, map_Pr 4 x 4"),
+        "{told:?}"
+    );
+    // One file for both is packed as glTF packs it; other options are told.
+    let (scene, model) = metallic(&files(
+        "newmtl m\nmap_Pr orm.png\nmap_Pm -o 0.5 0 orm.png\n",
+    ));
+    let texture = &scene.textures[model.map.unwrap().texture];
+    let [_, green, blue, _] = texture.texel(0, 1, 1).unwrap();
+    assert!((green - 0.8).abs() < 0.01 && (blue - 0.6).abs() < 0.01);
+    assert!(
+        scene.warnings[0].contains("other options"),
+        "{:?}",
+        scene.warnings
+    );
+    // Alone, metalness leaves the roughness of the number.
+    let (scene, model) = metallic(&files("newmtl m\nPr 0.3\nmap_Pm metal.png\n"));
+    assert_eq!((model.roughness, model.metallic), (0.3, 1.0));
+    let texture = &scene.textures[model.map.unwrap().texture];
+    assert_eq!(texture.texel(0, 1, 1).unwrap()[1], 1.0);
+    // What is not there is an error, or a stand-in where that is asked for.
+    let lost = files("newmtl m\nmap_Pr gone.png\nmap_Pm metal.png\n");
+    assert_eq!(lost.load("a.obj").unwrap_err().code(), "file-missing");
 }

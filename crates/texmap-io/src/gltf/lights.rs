@@ -1,13 +1,12 @@
 //! The lights of a document (`KHR_lights_punctual`).
 
-use std::sync::OnceLock;
-
-use texmap_light::{EnvironmentLight, Light, LightCone, ToneMap};
+use texmap_light::{Light, LightCone};
 use texmap_scene::{ColorMode, Scene};
 
 use super::json;
 use super::model::Model;
 use super::nodes::Tree;
+use crate::framing::{Up, light_by_studio};
 use crate::{IoError, shortened};
 
 /// Ambient light beside the lights of a file, so that surfaces which they do not reach are not black.
@@ -80,14 +79,9 @@ fn light(
 
 /// Lights a scene by the lights of the file and the neutral studio, under PBR Neutral. Raw colours are not light: they keep the lights of
 /// other models where the file has none.
-pub(super) fn illuminate(scene: &mut Scene, lights: Vec<(String, Light)>) {
+pub(super) fn illuminate(scene: &mut Scene, lights: Vec<(String, Light)>, up: Up) {
     if scene.color == ColorMode::Srgb {
-        // Made once: it takes longer than many a model.
-        static STUDIO: OnceLock<EnvironmentLight> = OnceLock::new();
-        let studio = STUDIO.get_or_init(EnvironmentLight::studio);
-        scene.effects.environment_light = Some(studio.clone());
-        scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
-        scene.lights.clear();
+        light_by_studio(scene, up);
     }
     if lights.is_empty() {
         return;

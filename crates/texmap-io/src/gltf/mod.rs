@@ -64,7 +64,7 @@ pub(crate) fn read(
     present(&mut scene, options);
     let lights = lights::lights(&mut model, &tree)?;
     let contents_lights = lights.len();
-    lights::illuminate(&mut scene, lights);
+    lights::illuminate(&mut scene, lights, options.framing.up);
     let placed = cameras::cameras(&model, &tree)?;
     if let Some(wanted) = &options.camera {
         scene.camera = cameras::camera(&mut model, &tree, &placed, wanted, options.aspect)?;

@@ -7,11 +7,11 @@ use texmap_sample::UvTransform;
 
 use super::mtl::{self, Description};
 use super::read::Obj;
-use super::{Map, Material, ReliefKind};
+use super::{Map, Material, Pbr, ReliefKind};
 use crate::IoError;
 use crate::error::shortened;
 use crate::scene_file::Missing;
-use crate::textures::{Content, Textures};
+use crate::textures::{Content, MapSource, Textures};
 
 pub(super) fn libraries(
     path: &Path,
@@ -100,6 +100,11 @@ const CONTENTS: [Content; mtl::MAPS.len()] = [
     Content::Data,
     Content::Data,
     Content::Color,
+    Content::Data,
+    Content::Data,
+    Content::Data,
+    Content::Data,
+    Content::Data,
 ];
 
 /// The material of a description, its maps loaded.
@@ -109,18 +114,12 @@ pub(crate) fn material(
     textures: &mut Textures,
     warnings: &mut Vec<String>,
 ) -> Result<Material, IoError> {
+    let numbers = description.numbers;
     let mut load = |map: Option<mtl::Map>, content| {
         map.map(|map| {
             let path = textures.source.beside(&map.location.file, &map.name);
-            Ok(Map {
-                texture: textures.load(&path, &map.location, content, missing)?,
-                transform: UvTransform {
-                    offset: map.offset,
-                    scale: map.scale,
-                    rotation: 0.0,
-                },
-                clamp: map.clamp,
-            })
+            let texture = textures.load(&path, &map.location, content, missing)?;
+            Ok(placed(&map, texture))
         })
         .transpose()
     };
@@ -135,6 +134,11 @@ pub(crate) fn material(
         normals,
         disp,
         map_ke,
+        map_pr,
+        map_pm,
+        map_ps,
+        map_pc,
+        map_pcr,
     ] = description.maps;
     let height = bump.as_ref().and_then(|map| map.height);
     let map_kd = load(map_kd, Content::Color)?;
@@ -149,6 +153,15 @@ pub(crate) fn material(
         .or(bump.map(|map| (map, ReliefKind::Bump(height.unwrap_or(DEFAULT_BUMP)))));
     let rise = disp.as_ref().and_then(|map| map.height);
     let displacement = load(disp, Content::Data)?.map(|map| (map, rise.unwrap_or(DEFAULT_BUMP)));
+    let layers = [map_ps, map_pc, map_pcr].map(|map| load(map, Content::Data));
+    let pbr = pbr(
+        numbers,
+        [map_pr, map_pm],
+        layers,
+        missing,
+        textures,
+        warnings,
+    )?;
     let ke = match (description.ke, &map_ke) {
         // As beside map_Kd: a black factor stands for none.
         (Some([0.0, 0.0, 0.0]), Some(_)) => {
@@ -190,7 +203,86 @@ pub(crate) fn material(
         map_ke,
         relief,
         displacement,
+        pbr,
     })
+}
+
+/// A texture under the options of its line.
+fn placed(map: &mtl::Map, texture: usize) -> Map {
+    Map {
+        texture,
+        transform: UvTransform {
+            offset: map.offset,
+            scale: map.scale,
+            rotation: 0.0,
+        },
+        clamp: map.clamp,
+    }
+}
+
+/// The metallic-roughness model of a material that has some word of it: its numbers, the maps of roughness and metalness, and those of
+/// sheen, clear coat and its roughness.
+fn pbr(
+    numbers: [Option<f32>; mtl::NUMBERS.len()],
+    packed: [Option<mtl::Map>; 2],
+    layers: [Result<Option<Map>, IoError>; 3],
+    missing: Missing,
+    textures: &mut Textures,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Pbr>, IoError> {
+    let [sheen_map, coat_map, coat_roughness_map] = layers;
+    let (sheen_map, coat_map, coat_roughness_map) = (sheen_map?, coat_map?, coat_roughness_map?);
+    let map = roughness_and_metalness(&packed, missing, textures, warnings)?;
+    let layers = [&sheen_map, &coat_map, &coat_roughness_map];
+    let mapped = map.is_some() || layers.iter().any(|map| map.is_some());
+    if !mapped && numbers.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let [roughness, metallic, sheen, coat, coat_roughness] = numbers;
+    let [map_pr, map_pm] = packed.map(|map| map.is_some());
+    let number = |mapped: bool, number: Option<f32>| match mapped {
+        true => 1.0,
+        false => number.unwrap_or(0.0),
+    };
+    Ok(Some(Pbr {
+        roughness: if map_pr { Some(1.0) } else { roughness },
+        metallic: number(map_pm, metallic),
+        sheen: number(sheen_map.is_some(), sheen),
+        coat: number(coat_map.is_some(), coat),
+        coat_roughness: number(coat_roughness_map.is_some(), coat_roughness),
+        map,
+        sheen_map,
+        coat_map,
+        coat_roughness_map,
+    }))
+}
+
+/// One texture of the maps of roughness and metalness, which have the options of the first.
+fn roughness_and_metalness(
+    maps: &[Option<mtl::Map>; 2],
+    missing: Missing,
+    textures: &mut Textures,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Map>, IoError> {
+    if let [Some(a), Some(b)] = maps
+        && placed(a, 0) != placed(b, 0)
+    {
+        warnings.push(format!(
+            "{}: map_Pm has other options than map_Pr at line {}, whose options are taken for both",
+            b.location, a.location.line
+        ));
+    }
+    let sources = maps.each_ref().map(|map| {
+        map.as_ref().map(|map| MapSource {
+            path: textures.source.beside(&map.location.file, &map.name),
+            location: map.location.clone(),
+        })
+    });
+    let Some(first) = maps.iter().flatten().next() else {
+        return Ok(None);
+    };
+    let texture = textures.load_packed(sources, missing)?;
+    Ok(Some(placed(first, texture)))
 }
 
 /// Height of a bump or displacement without `-bm`, units of the model.

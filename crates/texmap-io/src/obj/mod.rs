@@ -74,6 +74,24 @@ pub(crate) struct Material {
     pub(crate) relief: Option<(Map, ReliefKind)>,
     /// Heights, and the distance from black to white in units of the model (`-bm`).
     pub(crate) displacement: Option<(Map, f32)>,
+    /// Of the metallic-roughness extension, if some word of it is there.
+    pub(crate) pbr: Option<Pbr>,
+}
+
+/// Numbers and maps of the metallic-roughness model. A map stands in place of its number, which is 1 then.
+#[derive(Debug, Clone)]
+pub(crate) struct Pbr {
+    /// 0 to 1; `None`: that of the exponent.
+    pub(crate) roughness: Option<f32>,
+    pub(crate) metallic: f32,
+    pub(crate) sheen: f32,
+    pub(crate) coat: f32,
+    pub(crate) coat_roughness: f32,
+    /// Roughness in green, metalness in blue.
+    pub(crate) map: Option<Map>,
+    pub(crate) sheen_map: Option<Map>,
+    pub(crate) coat_map: Option<Map>,
+    pub(crate) coat_roughness_map: Option<Map>,
 }
 
 /// Content of a map of normal detail.
@@ -86,7 +104,7 @@ pub(crate) enum ReliefKind {
 }
 
 /// A texture and the options of its MTL line.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Map {
     pub(crate) texture: usize,
     pub(crate) transform: UvTransform,

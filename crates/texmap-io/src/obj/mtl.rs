@@ -1,7 +1,9 @@
 //! Material libraries: `Kd Ks Ke Ns d Tr illum` and `map_Kd map_d map_Ka map_Ks map_Ke map_Ns map_Bump bump disp norm` with the
-//! options `-s -o -clamp -bm`. Statements that are not drawn are named in warnings.
+//! options `-s -o -clamp -bm`, and for models that stand alone `Pr Pm Ps Pc Pcr` with their maps. Statements that are not drawn are
+//! named in warnings.
 //!
-//! Source of the format: Wavefront, "MTL material format", version 4.2 (1995).
+//! Source of the format: Wavefront, "MTL material format", version 4.2 (1995); of the letters with a P: Exocortex, "Extending the
+//! Wavefront MTL format to support PBR" (2015).
 
 use std::path::Path;
 
@@ -24,6 +26,8 @@ pub(crate) struct Description {
     pub(super) ns: Option<f32>,
     /// 1 is opaque.
     pub(super) d: f32,
+    /// In the order of [`NUMBERS`], 0 to 1.
+    pub(super) numbers: [Option<f32>; NUMBERS.len()],
     /// In the order of [`MAPS`].
     pub(super) maps: [Option<Map>; MAPS.len()],
     /// Illumination models 0 and 1 have none.
@@ -39,6 +43,7 @@ impl Description {
             ke: None,
             ns: None,
             d: 1.0,
+            numbers: [None; NUMBERS.len()],
             maps: Default::default(),
             highlight: true,
         }
@@ -64,10 +69,19 @@ impl Description {
     }
 }
 
-/// The kinds of map that are read; `bump` is another word for `map_Bump`.
-pub(super) const MAPS: [&str; 9] = [
+/// The kinds of map that are read; `bump` is another word for `map_Bump`. Those of [`NUMBERS`] come last.
+pub(super) const MAPS: [&str; 14] = [
     "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ns", "map_Bump", "norm", "disp", "map_Ke",
+    "map_Pr", "map_Pm", "map_Ps", "map_Pc", "map_Pcr",
 ];
+
+/// The numbers of the metallic-roughness extension: roughness, metalness, sheen, clear coat and its roughness.
+pub(super) const NUMBERS: [&str; 5] = ["Pr", "Pm", "Ps", "Pc", "Pcr"];
+
+/// True for a word of the metallic-roughness extension.
+fn is_extension(word: &str) -> bool {
+    NUMBERS.contains(&word.strip_prefix("map_").unwrap_or(word))
+}
 
 /// A map and the options before its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,13 +186,25 @@ pub(super) fn read(
                 )?;
                 material.highlight = !matches!(model as u8, 0 | 1);
             }
+            word if textures.classic && is_extension(word) => {
+                not_drawn.statement(&location, word, rest);
+            }
             "bump" | "map_bump" => {
                 material.maps[5] = Some(map(location, "map_Bump", rest, warnings)?);
             }
-            _ => match MAPS.iter().position(|known| *known == word) {
-                Some(i) => material.maps[i] = Some(map(location, MAPS[i], rest, warnings)?),
-                None => not_drawn.statement(&location, word, rest),
-            },
+            _ => {
+                let place = |known: &[&str]| known.iter().position(|known| *known == word);
+                match (place(&MAPS), place(&NUMBERS)) {
+                    (Some(i), _) => {
+                        material.maps[i] = Some(map(location, MAPS[i], rest, warnings)?);
+                    }
+                    (_, Some(i)) => {
+                        let number = share(location, NUMBERS[i], rest, warnings)?;
+                        material.numbers[i] = Some(number);
+                    }
+                    _ => not_drawn.statement(&location, word, rest),
+                }
+            }
         }
     }
     warnings.extend(not_drawn.warnings());
@@ -190,10 +216,29 @@ pub(super) fn read(
     Ok(out)
 }
 
-const KNOWN: [&str; 16] = [
+const KNOWN: [&str; 26] = [
     "Kd", "Ks", "Ke", "Ns", "d", "Tr", "illum", "map_Kd", "map_d", "map_Ka", "map_Ks", "map_Ke",
-    "map_Ns", "map_Bump", "norm", "disp",
+    "map_Ns", "map_Bump", "norm", "disp", "Pr", "Pm", "Ps", "Pc", "Pcr", "map_Pr", "map_Pm",
+    "map_Ps", "map_Pc", "map_Pcr",
 ];
+
+/// A number of 0 to 1, cut to it.
+fn share(
+    location: SourceLocation,
+    command: &'static str,
+    rest: &str,
+    warnings: &mut Vec<String>,
+) -> Result<f32, IoError> {
+    let number = one(location.clone(), command, rest)?;
+    in_range(number >= 0.0, location.clone(), command, rest, "0 to 1")?;
+    if number > 1.0 {
+        warnings.push(format!(
+            "{location}: `{command} {}` is above 1 and cut to it",
+            shortened(rest)
+        ));
+    }
+    Ok(number.min(1.0))
+}
 
 /// A colour of 0 to 1, cut to it.
 fn color(
@@ -432,6 +477,36 @@ mod tests {
     }
 
     #[test]
+    fn the_metallic_roughness_extension_is_read_for_models_alone() {
+        let text = "newmtl a\nPr 0.25\nPm 1.5\nmap_Ps cloth.png\nmap_Pr -s 2 2 r.png\nnewmtl b\nKd 1 1 1\n";
+        let (materials, warnings) = read_text(text);
+        let materials = materials.unwrap();
+        let [roughness, metalness, others @ ..] = materials[0].numbers;
+        assert_eq!((roughness, metalness), (Some(0.25), Some(1.0)));
+        assert_eq!(others, [None; 3]);
+        assert!(warnings.len() == 1 && warnings[0].contains("`Pm 1.5` is above 1"));
+        let map = |i: usize| {
+            materials[0].maps[i]
+                .as_ref()
+                .map(|m| (m.name.as_str(), m.scale[0]))
+        };
+        assert_eq!(map(9), Some(("r.png", 2.0)));
+        assert_eq!((map(10), map(11)), (None, Some(("cloth.png", 1.0))));
+        assert_eq!(materials[1].numbers, [None; 5]);
+        // In a scene nothing of it is drawn, nor is it a fault there.
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.mtl");
+        std::fs::write(&path, text.replace("0.25", "x")).unwrap();
+        let mut textures = Textures {
+            classic: true,
+            ..Textures::default()
+        };
+        let (location, mut warnings) = (SourceLocation::new(Path::new("a.obj"), 1, 1), Vec::new());
+        let materials = read(&path, &location, &mut textures, &mut warnings).unwrap();
+        assert_eq!((materials[0].numbers, warnings.len()), ([None; 5], 4));
+    }
+
+    #[test]
     fn faults_have_their_lines() {
         for (text, code, line) in [
             ("Kd 1 1 1", "needs-line-above", 1),
@@ -445,6 +520,10 @@ mod tests {
             ("newmtl a\nKd -1 0 0", "out-of-range", 2),
             ("newmtl a\nd 2", "out-of-range", 2),
             ("newmtl a\nNs x", "not-a-number", 2),
+            ("newmtl a\nPr x", "not-a-number", 2),
+            ("newmtl a\nPm -1", "out-of-range", 2),
+            ("newmtl a\nPc", "argument-count", 2),
+            ("newmtl a\nmap_Pm", "argument-count", 2),
             ("newmtl a\nmap_Kd -s 2 2", "argument-count", 2),
             ("newmtl a\nmap_Kd -s 0 1 a.png", "out-of-range", 2),
             ("newmtl a\nmap_Kd -clamp a.png", "out-of-range", 2),

@@ -223,6 +223,7 @@ fn read_scene(
     let color = options.color.unwrap_or(tree.color_mode());
     let mut textures = Textures::new(options.files.clone(), color == ColorMode::Raw, tolerant);
     textures.missing = options.missing;
+    textures.classic = true;
     let settings = Settings {
         missing: options.missing.unwrap_or_default(),
         ..Settings::default()

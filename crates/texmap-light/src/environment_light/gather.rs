@@ -33,6 +33,11 @@ impl Kernel {
         Self::Gaussian(1.0 / (sigma * sigma))
     }
 
+    /// True if nothing counts that is not [near](Self::near).
+    fn is_local(self) -> bool {
+        matches!(self, Self::Gaussian(_))
+    }
+
     /// Cosine of the angle from a patch within which its texels are weighted one by one: where the weight changes much over it.
     fn near(self, radius: f64) -> f32 {
         let width = match self {
@@ -74,7 +79,7 @@ impl Kernel {
 }
 
 /// Sixteen texels or means: direction; light times solid angle, and solid angle.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Sixteen {
     direction: [[f32; LANES]; 3],
     light: [[f32; LANES]; 4],
@@ -110,20 +115,30 @@ impl Sixteen {
         dot(d, to)
     }
 
+    /// Adds red, green, blue and solid angle; of grey light red for all three.
     #[inline(always)]
-    fn add<I: Isa>(&self, i: I, at: usize, weight: I::F32, sums: &mut [I::F32; 4]) {
-        for (sum, light) in sums.iter_mut().zip(&self.light) {
-            *sum = *sum + i.load_f32(&light[at..]) * weight;
+    fn add<I: Isa, const GREY: bool>(
+        &self,
+        i: I,
+        at: usize,
+        weight: I::F32,
+        sums: &mut [I::F32; 4],
+    ) {
+        for k in if GREY { &[0, 3][..] } else { &[0, 1, 2, 3] } {
+            sums[*k] = sums[*k] + i.load_f32(&self.light[*k][at..]) * weight;
         }
     }
 }
 
 /// The texels of a level of a cube in patches of four by four, and the patches' means.
+#[derive(Debug)]
 pub(super) struct Texels {
     patches: Vec<Sixteen>,
     means: Vec<Sixteen>,
     /// Largest angle between a patch's direction and one of its texels.
     radius: f64,
+    /// Every texel is grey.
+    grey: bool,
 }
 
 impl Texels {
@@ -137,6 +152,7 @@ impl Texels {
             patches: Vec::new(),
             means: Vec::new(),
             radius: 0.0,
+            grey: true,
         };
         let mut least = 1.0f64;
         // The faces are alike.
@@ -159,6 +175,7 @@ impl Texels {
                         let angle = angles[(y * size + x) as usize];
                         let at = level.index(face, x as usize + 1, y as usize + 1);
                         let [r, g, b] = cube.texels[at].map(|c| f64::from(c) * angle);
+                        this.grey &= r == g && g == b;
                         patch.put(lane, narrow(d), [r, g, b, angle]);
                         all = [all[0] + r, all[1] + g, all[2] + b, all[3] + angle];
                         *direction = d;
@@ -186,15 +203,28 @@ impl Texels {
     /// The mean light by a kernel around a direction.
     pub(super) fn gather(&self, level: Level, kernel: Kernel, r: DVec3) -> [f32; 3] {
         let mut sums = [[0.0; LANES]; 4];
-        dispatch_simd!(level, i => self.sum(i, kernel, narrow(r), &mut sums));
+        let r = narrow(r);
+        if self.grey {
+            dispatch_simd!(level, i => self.sum::<_, true>(i, kernel, r, &mut sums));
+            (sums[1], sums[2]) = (sums[0], sums[0]);
+        } else {
+            dispatch_simd!(level, i => self.sum::<_, false>(i, kernel, r, &mut sums));
+        }
         let [r, g, b, weight] = sums.map(|lanes| lanes.into_iter().map(f64::from).sum::<f64>());
         [r, g, b].map(|c| (c / weight) as f32)
     }
 
     /// The sums of sixteen columns: far patches, then the texels of near ones.
     #[inline(always)]
-    fn sum<I: Isa>(&self, i: I, kernel: Kernel, r: [f32; 3], sums: &mut [[f32; LANES]; 4]) {
+    fn sum<I: Isa, const GREY: bool>(
+        &self,
+        i: I,
+        kernel: Kernel,
+        r: [f32; 3],
+        sums: &mut [[f32; LANES]; 4],
+    ) {
         let to = splat(i, r);
+        let local = kernel.is_local();
         let limit = kernel.near(self.radius);
         let mut near = Vec::new();
         for at in (0..LANES).step_by(I::LANES) {
@@ -206,8 +236,10 @@ impl Texels {
                 if bits != 0 {
                     near.push((k * LANES + at, bits));
                 }
-                let weight = far.select(kernel.weight(i, c), i.f32(0.0));
-                means.add(i, at, weight, &mut lanes);
+                if !local {
+                    let weight = far.select(kernel.weight(i, c), i.f32(0.0));
+                    means.add::<I, GREY>(i, at, weight, &mut lanes);
+                }
             }
             for (lanes, sum) in lanes.iter().zip(&mut *sums) {
                 lanes.store(&mut sum[at..]);
@@ -226,7 +258,7 @@ impl Texels {
                     let patch = self.patches.get(first + bits.trailing_zeros() as usize);
                     if let Some(patch) = patch {
                         let weight = kernel.weight(i, patch.cosine(i, at, to));
-                        patch.add(i, at, weight, &mut lanes);
+                        patch.add::<I, GREY>(i, at, weight, &mut lanes);
                     }
                     bits &= bits - 1;
                 }
@@ -269,10 +301,10 @@ mod tests {
                 .zip([DVec3::X, DVec3::Y, DVec3::NEG_Z].into_iter().cycle())
             {
                 let mut plain = [[0.0; LANES]; 4];
-                texels.sum(Scalar, kernel, narrow(d), &mut plain);
+                texels.sum::<_, false>(Scalar, kernel, narrow(d), &mut plain);
                 every_width!(i => {
                     let mut sums = [[0.0; LANES]; 4];
-                    texels.sum(i, kernel, narrow(d), &mut sums);
+                    texels.sum::<_, false>(i, kernel, narrow(d), &mut sums);
                     assert_eq!(sums, plain, "{size} {kernel:?}");
                 });
             }

@@ -53,6 +53,8 @@ struct Solid {
     sin: f64,
     /// Radiance of a slab; `None` for boxes, which are lit.
     radiance: Option<f64>,
+    /// The cone about its bounding sphere, seen from [`EYE`]: unit axis and cosine of the half angle.
+    cone: (DVec3, f64),
 }
 
 impl Solid {
@@ -66,12 +68,22 @@ impl Solid {
                 }
             };
             let (sin, cos) = deterministic_f64::sin_cos(turn);
+            let (middle, half) = (DVec3::from(*middle), DVec3::from(*sides) * 0.5);
+            let way = middle - EYE;
+            let missed = 1.0 - half.length_squared() / way.length_squared();
+            // A little wider than it is. All of the sky where the eye is in the sphere.
+            let limit = if missed > 0.0 {
+                sqrt(missed) - 1e-6
+            } else {
+                -2.0
+            };
             Self {
-                middle: DVec3::from(*middle),
-                half: DVec3::from(*sides) * 0.5,
+                middle,
+                half,
                 cos,
                 sin,
                 radiance,
+                cone: (way / way.length(), limit),
             }
         })
     }
@@ -135,6 +147,10 @@ fn radiance(solids: &[Solid], d: DVec3) -> f64 {
     }
     let mut own = None;
     for solid in solids {
+        let (axis, limit) = solid.cone;
+        if d.dot(axis) < limit {
+            continue;
+        }
         if let Some((way, towards)) = solid.meets(d)
             && way < nearest
         {

@@ -1,7 +1,7 @@
 //! The sky: an environment seen from inside.
 
-use texmap_light::Environment;
-use texmap_light::lanes::RayLanes;
+use texmap_light::lanes::{RayLanes, Vector};
+use texmap_light::{Environment, EnvironmentLight};
 use texmap_math::glam::DMat4;
 use texmap_math::simd::Isa;
 use texmap_math::{Level, ViewRays, dispatch_simd};
@@ -10,9 +10,47 @@ use super::batch::{Batch, Colors, LANES};
 use super::compose::Display;
 use super::coordinates::EyeRays;
 
+/// Light by direction.
+#[derive(Clone, Copy)]
+pub(crate) enum Sky<'s> {
+    Chart(&'s Environment),
+    Light(&'s EnvironmentLight),
+}
+
+impl Sky<'_> {
+    /// Angle of a texel.
+    fn step(self) -> f64 {
+        let texels = match self {
+            Self::Chart(environment) => {
+                let (width, height) = environment.size();
+                let faces = environment.layout().faces() as f64;
+                f64::from(width) * f64::from(height) * faces
+            }
+            Self::Light(light) => 6.0 * f64::from(light.size()) * f64::from(light.size()),
+        };
+        (4.0 * std::f64::consts::PI / texels).sqrt()
+    }
+
+    #[inline(always)]
+    fn radiance<I: Isa>(self, i: I, direction: Vector<I>) -> Vector<I> {
+        let zero = i.f32(0.0);
+        match self {
+            Self::Chart(environment) => {
+                let ray = RayLanes {
+                    direction,
+                    dx: [zero; 3],
+                    dy: [zero; 3],
+                };
+                environment.radiance_lanes(i, &ray)
+            }
+            Self::Light(light) => light.radiance_lanes(i, zero, direction),
+        }
+    }
+}
+
 /// An environment as a sky.
 pub(crate) struct SkyStage<'s> {
-    environment: &'s Environment,
+    sky: Sky<'s>,
     /// Through the positions in a pixel that are looked up: one or more for each texel that it sees.
     rays: Vec<EyeRays>,
     display: Display,
@@ -20,20 +58,17 @@ pub(crate) struct SkyStage<'s> {
 
 impl<'s> SkyStage<'s> {
     pub(crate) fn new(
-        environment: &'s Environment,
+        sky: Sky<'s>,
         rays: &ViewRays,
         view_from_world: DMat4,
         display: Display,
     ) -> Self {
-        let (width, height) = environment.size();
-        let texels = f64::from(width) * f64::from(height) * environment.layout().faces() as f64;
-        let texel = (4.0 * std::f64::consts::PI / texels).sqrt();
-        let side = (rays.step() / texel).ceil().clamp(1.0, 8.0) as u32;
+        let side = (rays.step() / sky.step()).ceil().clamp(1.0, 8.0) as u32;
         let middle = EyeRays::new(rays, view_from_world);
         let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(side) - 0.5;
         let places = (0..side).flat_map(|j| (0..side).map(move |i| (i, j)));
         Self {
-            environment,
+            sky,
             display,
             rays: places
                 .map(|(i, j)| middle.beside([inside(i), inside(j)]))
@@ -55,12 +90,7 @@ impl<'s> SkyStage<'s> {
             let mut sum = [zero; 3];
             for rays in &self.rays {
                 let [x, y, z] = rays.part(i, sample, pixel);
-                let ray = RayLanes {
-                    direction: [-x, -y, -z],
-                    dx: [zero; 3],
-                    dy: [zero; 3],
-                };
-                let light = self.environment.radiance_lanes(i, &ray);
+                let light = self.sky.radiance(i, [-x, -y, -z]);
                 for k in 0..3 {
                     sum[k] = sum[k] + light[k];
                 }

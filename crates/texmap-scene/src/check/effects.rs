@@ -166,7 +166,15 @@ impl Scene {
                 *environment as u64,
                 self.effects.environments.len(),
             )?,
-            None => {}
+            Some(Background::EnvironmentLight) if self.effects.environment_light.is_none() => {
+                return Err(SceneError::Value {
+                    place: "backdrop".to_owned(),
+                    what: "environment light".to_owned(),
+                    value: "none".to_owned(),
+                    expected: "the scene must have one to show it",
+                });
+            }
+            Some(Background::EnvironmentLight) | None => {}
         }
         for (number, projector) in self.effects.projectors.iter().enumerate() {
             self.check_projector(number, projector)?;

@@ -65,7 +65,10 @@ impl Scene {
             return Ok(());
         }
         let frame = self.meshes.iter().find(|m| m.texture_frame.is_some());
-        let sky = matches!(self.effects.background, Some(Background::Environment(_)));
+        let sky = matches!(
+            self.effects.background,
+            Some(Background::Environment(_) | Background::EnvironmentLight)
+        );
         let what = match frame {
             Some(mesh) => format!("mesh '{}': its texture frame", mesh.name),
             None if sky => "the environment behind the scene".to_owned(),

@@ -1,5 +1,6 @@
 //! Skies: a picture stretched over the frame, or an environment seen by direction.
 
+use texmap_light::EnvironmentLight;
 use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_scene::{Background, Scene};
 
@@ -20,17 +21,22 @@ pub(super) struct SampledBackground<'s> {
 enum Sky<'s> {
     Picture(Slot<'s>, DVec2),
     Environment(usize),
+    Light(&'s EnvironmentLight),
 }
 
 impl<'s> SampledBackground<'s> {
     /// `size` is that of the frame in samples.
     pub(super) fn new(scene: &'s Scene, size: DVec2, textures: &mut Textures<'s>) -> Self {
-        let sky = scene.effects.background.as_ref().map(|sky| match sky {
+        let sky = scene.effects.background.as_ref();
+        let sky = sky.and_then(|sky| match sky {
             Background::Picture(slot) => {
                 let slot = textures.slot(slot, texmap_sample::Origin::TopLeft);
-                Sky::Picture(slot, size)
+                Some(Sky::Picture(slot, size))
             }
-            Background::Environment(index) => Sky::Environment(*index),
+            Background::Environment(index) => Some(Sky::Environment(*index)),
+            Background::EnvironmentLight => {
+                scene.effects.environment_light.as_ref().map(Sky::Light)
+            }
         });
         Self {
             color: background(scene),
@@ -63,26 +69,40 @@ impl<'s> SampledBackground<'s> {
                 over(color.extend(texel.w), self.color)
             }
             Some(Sky::Environment(index)) => match &environments[*index] {
-                Some(sphere) => seen(sphere, pinhole, x, y).min(DVec3::ONE).extend(1.0),
+                Some(sphere) => {
+                    let light = |direction| {
+                        sphere.light(&Ray {
+                            direction,
+                            changes: [DVec3::ZERO; 2],
+                        })
+                    };
+                    let seen = seen(light, sphere.texel_angle(), pinhole, x, y);
+                    seen.min(DVec3::ONE).extend(1.0)
+                }
                 None => self.color,
             },
+            Some(Sky::Light(sphere)) => {
+                let light = |direction: DVec3| {
+                    let narrow = direction.to_array().map(|x| x as f32);
+                    DVec3::from(sphere.radiance(0.0, narrow).map(f64::from))
+                };
+                let side = f64::from(sphere.size());
+                let texel = (4.0 * std::f64::consts::PI / (6.0 * side * side)).sqrt();
+                seen(light, texel, pinhole, x, y)
+                    .min(DVec3::ONE)
+                    .extend(1.0)
+            }
         }
     }
 }
 
 /// The mean light over a sample: one look-up, or as many as it sees texels.
-fn seen(sphere: &EnvironmentMap, pinhole: &Pinhole, x: f64, y: f64) -> DVec3 {
+fn seen(light: impl Fn(DVec3) -> DVec3, texel: f64, pinhole: &Pinhole, x: f64, y: f64) -> DVec3 {
     let along = pinhole.direction(x, y).length();
     let step = pinhole.right.length().max(pinhole.down.length()) / along;
-    let side = (step / sphere.texel_angle()).ceil().clamp(1.0, MOST);
+    let side = (step / texel).ceil().clamp(1.0, MOST);
     let offset = |k: u32| (f64::from(k) + 0.5) / side - 0.5;
     let side = side as u32;
-    let light = |i: u32| {
-        let direction = pinhole.direction(x + offset(i % side), y + offset(i / side));
-        sphere.light(&Ray {
-            direction,
-            changes: [DVec3::ZERO; 2],
-        })
-    };
-    (0..side * side).map(light).sum::<DVec3>() / f64::from(side * side)
+    let of = |i: u32| light(pinhole.direction(x + offset(i % side), y + offset(i / side)));
+    (0..side * side).map(of).sum::<DVec3>() / f64::from(side * side)
 }

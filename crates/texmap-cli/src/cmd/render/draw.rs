@@ -6,6 +6,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
+use texmap_bake::GroundShadow;
+use texmap_io::framing::Up;
 use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, LoadOptions, PictureFormat, npy};
 use texmap_math::Level;
@@ -20,6 +22,7 @@ use texmap_truth::verify::{Verified, verify, with_wrap};
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
 use crate::cmd::render::camera::{CameraFiles, is_scene, shots};
+use crate::cmd::render::light::Lit;
 use crate::cmd::render::plan::{Item, Kind, array_name, heat_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, ItemReport, SceneReport, TimesReport, milliseconds,
@@ -29,7 +32,7 @@ use crate::cmd::render::write::{Store, values};
 use crate::failure::{Failure, Refusal, say};
 use crate::output::{Destination, Stage, distinct};
 use crate::progress::Progress;
-use crate::values::AovArg;
+use crate::values::{AovArg, Background};
 
 /// Draws all pictures of one input: a picture, a contact sheet, a series or an animation. The input is read from `file`.
 pub(crate) fn item(
@@ -45,10 +48,14 @@ pub(crate) fn item(
     // What this input names, and not what all others do.
     let files = &files.clone().recording();
     let options = options(args, item, file, files)?;
+    let measured = args.verify || args.budget().is_some();
+    let kept = scene_file || measured;
+    args.light.prepare(kept, args.color);
     let mut scene = load(file, &item.input, &options)?;
-    if let Some(background) = args.background {
-        scene.background = background.0;
+    if let Some(Background::Color(color)) = args.background {
+        scene.background = color;
     }
+    args.light.shade(&mut scene, kept);
     args.look.dress(&mut scene)?;
     let floats = item.pictures().into_iter().any(|path| {
         matches!(
@@ -57,7 +64,13 @@ pub(crate) fn item(
         )
     });
     let up = options.framing.up;
-    args.light.light(&mut scene, scene_file, floats, up)?;
+    let lit = Lit {
+        scene_file,
+        floats,
+        behind: args.background == Some(Background::Env),
+        up,
+    };
+    args.light.light(&mut scene, &lit)?;
     // No picture replaces what it is made of.
     distinct(item.outputs(args)?, files.recorded())?;
     let load = milliseconds(began.elapsed());
@@ -76,6 +89,9 @@ pub(crate) fn item(
         told: RefCell::default(),
     };
     let shots = shots(args, file, &scene, cameras)?;
+    if args.light.ground_shadow && !args.dry_run {
+        ground(&mut scene, up).map_err(|e| context.refused(e))?;
+    }
     // Everything is checked before the first pixel: the scene once, the camera of every picture.
     let warnings = scene.check().map_err(|e| context.refused(e))?;
     context.aovs(&scene)?;
@@ -157,6 +173,17 @@ pub(super) fn keep_apart(
         let _ = load(file, &item.input, &options(args, item, file, files)?);
     }
     distinct(outputs, files.recorded())
+}
+
+/// Adds the shadow on the ground. The cameras are set: they frame the model alone.
+fn ground(scene: &mut Scene, up: Up) -> Result<(), Refusal> {
+    let shaped = texmap_mesh::tessellate(&*scene, 256)?;
+    let shadow = GroundShadow::new(&shaped, up.direction())?;
+    drop(shaped);
+    if let Some(shadow) = shadow {
+        shadow.add_to(scene);
+    }
+    Ok(())
 }
 
 /// Loads a file. Standard input is named as such in warnings and errors.

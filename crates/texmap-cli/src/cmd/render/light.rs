@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use texmap_io::framing::{Up, auto_lights};
+use texmap_io::framing::{Up, auto_lights, light_by_studio, studio};
 use texmap_light::{EnvironmentLayout, EnvironmentLight, ToneMap};
-use texmap_scene::{MetallicRoughness, Scene, Shading};
+use texmap_scene::{Background, ColorMode, Material, MetallicRoughness, Scene, Shading};
 
 use crate::failure::Failure;
 
@@ -14,17 +14,21 @@ use crate::failure::Failure;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Light")]
 pub(crate) struct LightArgs {
-    /// The model of surfaces: metallic-roughness (also of an OBJ, whose exponent becomes a roughness) or classic, the model of
-    /// Phong [default: that of the file: metallic-roughness for glTF, classic for others]
+    /// The model of surfaces: metallic-roughness (the exponent of an MTL becomes a roughness) or classic, the model of Phong
+    /// [default: metallic-roughness for models, classic for scenes and under --verify, --max-error and --quality]
     #[arg(long, value_name = "MODEL")]
     shading: Option<Model>,
     /// Light from all around on metallic-roughness surfaces: a lat-long picture (.hdr, .exr, ...), the neutral studio, or none
     /// [default: neutral for models]
     #[arg(long, value_name = "FILE|neutral|none")]
     env: Option<Env>,
-    /// Turn that light about the vertical axis, counter-clockwise from above
+    /// Turn that light about the axis that points up, counter-clockwise from above
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = degrees)]
     env_rotate: Option<f64>,
+    /// Draw the shadow of a model on the ground under its lowest point: what it hides of the light from all around and of directional
+    /// lights. Also on --background transparent
+    #[arg(long)]
+    pub(crate) ground_shadow: bool,
     /// Factor of light before tone mapping [default: 1]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exposure: Option<f32>,
@@ -61,6 +65,19 @@ impl FromStr for Env {
     }
 }
 
+/// What a scene is lit for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lit {
+    /// It is a scene file, which has the light that it says.
+    pub(crate) scene_file: bool,
+    /// It is written as light without an upper end, which no curve may bend unless one is asked for.
+    pub(crate) floats: bool,
+    /// The environment is shown behind it.
+    pub(crate) behind: bool,
+    /// The axis that points up.
+    pub(crate) up: Up,
+}
+
 fn degrees(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
     number.ok_or_else(|| "expected an angle in degrees".to_owned())
@@ -87,51 +104,76 @@ impl LightArgs {
         }
     }
 
-    /// Lights a scene that has its look. `scene_file`: the scene keeps its own light. `floats`: the picture is written as light without an
-    /// upper end, which no tone mapping changes unless one is asked for.
-    pub(crate) fn light(
-        &self,
-        scene: &mut Scene,
-        scene_file: bool,
-        floats: bool,
-        up: Up,
-    ) -> Result<(), Failure> {
-        match self.shading {
-            Some(Model::Classic) => {
-                for material in &mut scene.materials {
-                    material.metallic_roughness = None;
+    /// Begins to make the studio where a model will want it, while the model is read: both take as long.
+    pub(crate) fn prepare(&self, kept: bool, color: Option<ColorMode>) {
+        let asked = match &self.env {
+            None => !kept && self.shading != Some(Model::Classic),
+            Some(env) => *env == Env::Neutral,
+        };
+        if asked && color != Some(ColorMode::Raw) {
+            std::thread::spawn(|| drop(studio(Up::Y)));
+        }
+    }
+
+    /// Gives surfaces their model, which is metallic-roughness unless one is asked for. Raw colours are no light and stay as they are,
+    /// and `kept` keeps what the files say: of a scene file, and where the f64 reference or a plan is asked, which know the classic
+    /// model.
+    pub(crate) fn shade(&self, scene: &mut Scene, kept: bool) {
+        let metallic = match self.shading {
+            Some(model) => model == Model::MetallicRoughness,
+            None if kept => return,
+            None => scene.color == ColorMode::Srgb,
+        };
+        if metallic {
+            for material in &mut scene.materials {
+                if material.metallic_roughness.is_none() {
+                    material.metallic_roughness = Some(MetallicRoughness::of_classic(material));
                 }
-                scene.effects.environment_light = None;
-                scene.effects.tone_mapping.map = ToneMap::None;
             }
-            Some(Model::MetallicRoughness) => {
-                for material in &mut scene.materials {
-                    let of_phong = || MetallicRoughness::of_phong(&material.phong);
-                    material.metallic_roughness.get_or_insert_with(of_phong);
-                }
-                if !scene_file && scene.effects.environment_light.is_none() {
-                    scene.effects.environment_light = Some(EnvironmentLight::studio());
-                    scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
-                    // The lights of the loader, which replace light from all around.
-                    if scene.lights == auto_lights(up) {
-                        scene.lights.clear();
+        } else if self.shading.is_some() {
+            scene.warnings.extend(not_classic(&scene.materials));
+            for material in &mut scene.materials {
+                material.metallic_roughness = None;
+            }
+            scene.effects.environment_light = None;
+            scene.effects.tone_mapping.map = ToneMap::None;
+        }
+    }
+
+    /// Lights a scene, after it was dressed.
+    pub(crate) fn light(&self, scene: &mut Scene, lit: &Lit) -> Result<(), Failure> {
+        let Lit {
+            scene_file,
+            floats,
+            behind,
+            up,
+        } = *lit;
+        match &self.env {
+            None => {
+                let wanted = reads_environment(scene) || behind;
+                let wanted = wanted && !scene_file && scene.color == ColorMode::Srgb;
+                if wanted && scene.effects.environment_light.is_none() {
+                    let brought = std::mem::take(&mut scene.lights);
+                    light_by_studio(scene, up);
+                    // Those of the loader stand in for light from all around.
+                    if brought != auto_lights(up) {
+                        scene.lights = brought;
                     }
                 }
             }
-            None => {}
-        }
-        match &self.env {
-            None => {}
             Some(Env::None) => {
                 scene.effects.environment_light = None;
                 scene.effects.tone_mapping.map = ToneMap::None;
             }
             Some(env) => {
-                scene.effects.environment_light = Some(environment(env)?);
+                scene.effects.environment_light = Some(environment(env, up)?);
                 scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
-                if !reads_environment(scene) {
+                if !reads_environment(scene) && !behind {
                     let warning = "--env: no surface is metallic-roughness, so that nothing shows its light; --shading metallic-roughness makes all of them so";
                     scene.warnings.push(warning.to_owned());
+                } else if !scene_file && reads_environment(scene) && scene.lights == auto_lights(up)
+                {
+                    scene.lights.clear();
                 }
             }
         }
@@ -147,7 +189,16 @@ impl LightArgs {
             None if floats => scene.effects.tone_mapping.map = ToneMap::None,
             None => {}
         }
-        // A model without lights is not dark.
+        if behind {
+            if scene.effects.environment_light.is_none() {
+                return Err(Failure::usage(
+                    "--background env: there is no light from all around to show",
+                    "give it with --env FILE, or --env neutral",
+                ));
+            }
+            scene.effects.background = Some(Background::EnvironmentLight);
+        }
+        // A model is never dark for want of light.
         if !scene_file && scene.lights.is_empty() && needs_lights(scene) {
             scene.lights = auto_lights(up);
         }
@@ -155,18 +206,43 @@ impl LightArgs {
     }
 }
 
-fn environment(env: &Env) -> Result<EnvironmentLight, Failure> {
+/// What a metallic-roughness surface has and Phong's model does not draw.
+fn not_classic(materials: &[Material]) -> Option<String> {
+    let models = materials
+        .iter()
+        .filter_map(|m| m.metallic_roughness.as_ref());
+    let count = models
+        .filter(|m| {
+            m.metallic > 0.0 || m.map.is_some() || m.clearcoat.is_some() || m.sheen.is_some()
+        })
+        .count();
+    (count > 0).then(|| {
+        let materials = match count {
+            1 => "1 material has",
+            _ => &format!("{count} materials have"),
+        };
+        format!(
+            "--shading classic: {materials} metalness, maps of it, a clear coat or sheen, which the model of Phong does not draw"
+        )
+    })
+}
+
+fn environment(env: &Env, up: Up) -> Result<EnvironmentLight, Failure> {
     let Env::Picture(path) = env else {
-        return Ok(EnvironmentLight::studio());
+        return Ok(studio(up));
     };
     let picture = texmap_io::read_environment(path, EnvironmentLayout::LatLong)?;
     // As many texels around as the picture has.
     let size = (picture.size().0 / 4).clamp(16, 1024);
-    EnvironmentLight::new(&picture, size).map_err(|e| {
+    let light = EnvironmentLight::new(&picture, size).map_err(|e| {
         Failure::usage(
             format!("--env {}: {e}", path.display()),
             "give a picture of all directions, twice as wide as high",
         )
+    })?;
+    Ok(match up {
+        Up::Y => light,
+        Up::Z => light.upright_on_z(),
     })
 }
 
@@ -194,13 +270,14 @@ fn needs_lights(scene: &Scene) -> bool {
 mod tests {
     use super::*;
     use texmap_math::Camera;
-    use texmap_scene::{Material, Mesh};
+    use texmap_scene::Mesh;
 
     fn args() -> LightArgs {
         LightArgs {
             shading: None,
             env: None,
             env_rotate: None,
+            ground_shadow: false,
             exposure: None,
             tone_map: None,
         }
@@ -214,42 +291,113 @@ mod tests {
         scene
     }
 
+    fn drawn(args: &LightArgs, mut scene: Scene, scene_file: bool, floats: bool) -> Scene {
+        args.shade(&mut scene, scene_file);
+        let lit = Lit {
+            scene_file,
+            floats,
+            behind: false,
+            up: Up::Y,
+        };
+        args.light(&mut scene, &lit).unwrap();
+        scene
+    }
+
     #[test]
-    fn models_change_to_metallic_roughness_and_back() {
-        let mut scene = model();
-        let shading = Some(Model::MetallicRoughness);
-        let modern = LightArgs { shading, ..args() };
-        modern.light(&mut scene, false, false, Up::Y).unwrap();
-        assert!(scene.materials[0].metallic_roughness.is_some() && scene.lights.is_empty());
-        assert!(scene.effects.environment_light.is_some());
-        assert_eq!(scene.effects.tone_mapping.map, ToneMap::PbrNeutral);
-        modern.light(&mut scene, false, true, Up::Y).unwrap();
-        assert_eq!(scene.effects.tone_mapping.map, ToneMap::None);
-        let shading = Some(Model::Classic);
-        let classic = LightArgs { shading, ..args() };
-        classic.light(&mut scene, false, false, Up::Y).unwrap();
-        assert_eq!(scene.lights, auto_lights(Up::Y));
-        assert!(scene.effects.environment_light.is_none());
-        // A dark scene stays dark.
+    fn models_are_metallic_roughness_unless_they_are_raw_or_asked_to_be_classic() {
+        let modern = drawn(&args(), model(), false, false);
+        assert!(modern.materials[0].metallic_roughness.is_some() && modern.lights.is_empty());
+        assert!(modern.effects.environment_light.is_some());
+        assert_eq!(modern.effects.tone_mapping.map, ToneMap::PbrNeutral);
+        let floats = drawn(&args(), model(), false, true);
+        assert_eq!(floats.effects.tone_mapping.map, ToneMap::None);
+        let classic = LightArgs {
+            shading: Some(Model::Classic),
+            ..args()
+        };
+        let raw = Scene {
+            color: ColorMode::Raw,
+            ..model()
+        };
+        for classic in [
+            drawn(&classic, modern, false, false),
+            drawn(&classic, model(), false, false),
+            drawn(&args(), raw, false, false),
+        ] {
+            assert_eq!(classic.lights, auto_lights(Up::Y));
+            assert!(classic.materials[0].metallic_roughness.is_none());
+            assert!(classic.effects.environment_light.is_none());
+            assert_eq!(classic.effects.tone_mapping.map, ToneMap::None);
+            assert!(classic.warnings.is_empty());
+        }
+        // A scene keeps its model and its darkness.
         let mut dark = model();
         dark.lights.clear();
-        args().light(&mut dark, true, false, Up::Y).unwrap();
-        assert!(dark.lights.is_empty());
+        let dark = drawn(&args(), dark, true, false);
+        assert!(dark.lights.is_empty() && dark.materials[0].metallic_roughness.is_none());
+    }
+
+    #[test]
+    fn classic_tells_once_what_it_does_not_draw() {
+        let classic = LightArgs {
+            shading: Some(Model::Classic),
+            ..args()
+        };
+        let mut scene = model();
+        let metal = MetallicRoughness {
+            metallic: 1.0,
+            ..MetallicRoughness::default()
+        };
+        scene.materials[0].metallic_roughness = Some(metal);
+        scene.materials.push(scene.materials[0].clone());
+        let scene = drawn(&classic, scene, false, false);
+        assert_eq!(scene.warnings.len(), 1);
+        assert!(scene.warnings[0].contains("2 materials"));
     }
 
     #[test]
     fn an_environment_that_nothing_shows_is_told() {
+        let lit = LightArgs {
+            env: Some(Env::Neutral),
+            ..args()
+        };
+        assert_eq!(drawn(&lit, model(), true, false).warnings.len(), 1);
+        let told = drawn(&lit, model(), false, false);
+        assert!(told.warnings.is_empty() && told.lights.is_empty());
+        // Without it a model has the lights of the loader.
+        let none = LightArgs {
+            env: Some(Env::None),
+            ..args()
+        };
+        assert_eq!(
+            drawn(&none, model(), false, false).lights,
+            auto_lights(Up::Y)
+        );
+    }
+
+    #[test]
+    fn the_environment_behind_is_that_of_the_light() {
+        let lit = |scene_file| Lit {
+            scene_file,
+            floats: false,
+            behind: true,
+            up: Up::Y,
+        };
         let mut scene = model();
-        let env = Some(Env::Neutral);
-        let lit = LightArgs { env, ..args() };
-        lit.light(&mut scene, false, false, Up::Y).unwrap();
-        assert_eq!(scene.warnings.len(), 1);
-        let shading = Some(Model::MetallicRoughness);
+        args().light(&mut scene, &lit(false)).unwrap();
+        assert_eq!(scene.effects.background, Some(Background::EnvironmentLight));
+        scene.check().unwrap();
+        // A scene file has none of its own.
+        assert!(args().light(&mut model(), &lit(true)).is_err());
+        let neutral = LightArgs {
+            env: Some(Env::Neutral),
+            ..args()
+        };
         let mut scene = model();
-        LightArgs { shading, ..lit }
-            .light(&mut scene, false, false, Up::Y)
-            .unwrap();
+        neutral.light(&mut scene, &lit(true)).unwrap();
         assert!(scene.warnings.is_empty());
+        scene.effects.environment_light = None;
+        assert!(scene.check().is_err());
     }
 
     #[test]

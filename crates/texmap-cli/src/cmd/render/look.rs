@@ -97,8 +97,9 @@ fn clay(color: [f32; 3]) -> Material {
 
 /// Gives every mesh one material and no colours of its own.
 fn one_material(scene: &mut Scene, mut material: Material) {
-    // Light from all around shows on metallic-roughness surfaces alone.
-    if scene.effects.environment_light.is_some() {
+    // Of the model of the surfaces that it replaces: light from all around shows on metallic-roughness surfaces alone.
+    let of_before = &scene.materials;
+    if of_before.iter().any(|m| m.metallic_roughness.is_some()) {
         material.metallic_roughness = Some(MetallicRoughness::default());
     }
     scene.materials = vec![material];

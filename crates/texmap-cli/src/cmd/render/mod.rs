@@ -95,8 +95,9 @@ pub(crate) struct RenderArgs {
         hide_possible_values = true
     )]
     level: LevelName,
-    /// Background colour in sRGB: #rrggbb, #rrggbbaa, r,g,b[,a] or transparent
-    #[arg(long, value_name = "COLOR", allow_hyphen_values = true)]
+    /// Background colour in sRGB: #rrggbb, #rrggbbaa, r,g,b[,a] or transparent; or env, the light from all around as --env, --env-rotate
+    /// and --exposure make it
+    #[arg(long, value_name = "COLOR|env", allow_hyphen_values = true)]
     background: Option<Background>,
     /// srgb, or raw: no colour is converted, neither in nor out
     #[arg(long, value_name = "MODE", value_parser = values::color)]

@@ -2,7 +2,10 @@
 
 use texmap_light::PhongMaterial;
 use texmap_sample::Origin;
-use texmap_scene::{AlphaMode, Displacement, Emission, Material, Mesh, TextureRole};
+use texmap_scene::{
+    AlphaMode, Clearcoat, Displacement, Emission, Material, Mesh, MetallicRoughness, Sheen,
+    TextureRole,
+};
 
 use super::Builder;
 use crate::models::{self, Request};
@@ -137,7 +140,15 @@ impl Builder {
             None if m.opacity < 1.0 => AlphaMode::Blend,
             _ => now.alpha(map_alpha || m.map_d.is_some()),
         };
+        let phong = PhongMaterial {
+            color: light(m.kd, color),
+            ka: 1.0,
+            kd: 1.0,
+            ks: m.ks,
+            ns: m.ns,
+        };
         Material {
+            metallic_roughness: m.pbr.as_ref().map(|pbr| metallic(pbr, &phong, slot)),
             maps: texmap_scene::SurfaceMaps {
                 ambient: m.map_ka.as_ref().map(slot),
                 specular: m.map_ks.as_ref().map(slot),
@@ -162,13 +173,7 @@ impl Builder {
                 },
             }),
             name: shortened(&m.name).to_string(),
-            phong: PhongMaterial {
-                color: light(m.kd, color),
-                ka: 1.0,
-                kd: 1.0,
-                ks: m.ks,
-                ns: m.ns,
-            },
+            phong,
             opacity: m.opacity,
             base_color: m.map_kd.as_ref().map(slot),
             opacity_map: m.map_d.as_ref().map(slot),
@@ -178,3 +183,39 @@ impl Builder {
         }
     }
 }
+
+/// The metallic-roughness model of a material that speaks of it: its reflection is that of index 1.5 whatever `Ks` says.
+fn metallic(
+    pbr: &obj::Pbr,
+    phong: &PhongMaterial,
+    slot: impl Fn(&obj::Map) -> texmap_scene::TextureSlot,
+) -> MetallicRoughness {
+    let of_exponent = || {
+        let classic = Material {
+            phong: *phong,
+            ..Material::default()
+        };
+        MetallicRoughness::of_classic(&classic).roughness
+    };
+    MetallicRoughness {
+        roughness: pbr.roughness.unwrap_or_else(of_exponent),
+        metallic: pbr.metallic,
+        map: pbr.map.as_ref().map(&slot),
+        clearcoat: (pbr.coat > 0.0).then(|| Clearcoat {
+            factor: pbr.coat,
+            map: pbr.coat_map.as_ref().map(&slot),
+            roughness: pbr.coat_roughness,
+            roughness_map: pbr.coat_roughness_map.as_ref().map(&slot),
+        }),
+        sheen: (pbr.sheen > 0.0).then(|| Sheen {
+            color: [pbr.sheen; 3],
+            color_map: pbr.sheen_map.as_ref().map(&slot),
+            roughness: SHEEN_ROUGHNESS,
+            roughness_map: None,
+        }),
+        ..MetallicRoughness::default()
+    }
+}
+
+/// The roughness of fibres, of which MTL does not speak: that of Blender's surfaces.
+const SHEEN_ROUGHNESS: f32 = 0.5;

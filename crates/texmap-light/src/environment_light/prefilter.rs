@@ -1,0 +1,175 @@
+//! An environment gathered by lobes: the levels of a prefiltered map.
+
+use alloc::vec::Vec;
+
+use texmap_math::simd::{Scalar, prelude::*};
+
+use super::gather::{Kernel, Texels};
+use crate::environment::Environment;
+use crate::error::LightError;
+use crate::{EnvironmentLayout, level};
+
+/// An environment ready to be gathered by the lobes of roughnesses and of a diffuse surface. Radiances from 0 to a million; others count
+/// as the nearer end. With the feature `rayon` by every thread of the current pool; the same bits.
+#[derive(Debug)]
+pub struct Prefilter {
+    /// A cube with mips.
+    cube: Environment,
+    /// Levels of the cube that were gathered.
+    sources: Vec<(usize, Texels)>,
+}
+
+/// Texels a side of the diffuse cube: the kink that a sun makes at its horizon is off by 1.2 % of its light. (Nine spherical
+/// harmonics are off by 6 %.)
+pub(super) const DIFFUSE_SIZE: u32 = 32;
+/// Most texels a side of the environment that a diffuse surface gathers.
+const DIFFUSE_SOURCE: u32 = 64;
+/// Brightest texel.
+const MOST: f32 = 1e6;
+
+/// Texels a side that the lobe of a roughness needs, at most.
+fn side(roughness: f32) -> u32 {
+    match roughness {
+        r if r < 0.15 => 128,
+        r if r < 0.35 => 64,
+        r if r < 0.65 => 32,
+        _ => 16,
+    }
+}
+
+impl Prefilter {
+    /// By way of a cube of `size` texels a side: at least 16, at most [`Environment::MAX_SIDE`]; a quarter of a lat-long's width keeps
+    /// its detail.
+    ///
+    /// # Errors
+    /// [`LightError::LayoutSize`] for another size.
+    pub fn new(environment: &Environment, size: u32) -> Result<Self, LightError> {
+        if size < 16 {
+            return Err(LightError::LayoutSize {
+                chart: EnvironmentLayout::Cube,
+                width: size,
+                height: size,
+            });
+        }
+        let same = environment.layout() == EnvironmentLayout::Cube && environment.size().0 == size;
+        let cube = if same {
+            environment.clone()
+        } else {
+            environment.convert(EnvironmentLayout::Cube, size)?
+        };
+        Ok(Self::of_cube(cube))
+    }
+
+    /// Of a cube as it is.
+    pub(super) fn of_cube(mut cube: Environment) -> Self {
+        for texel in cube.texels.iter_mut().flatten() {
+            *texel = F32s::<Scalar>::clamp(*texel, 0.0, MOST);
+        }
+        Self {
+            cube: cube.with_mips(),
+            sources: Vec::new(),
+        }
+    }
+
+    /// The environment itself, a cube with mips.
+    #[must_use]
+    pub fn cube(&self) -> &Environment {
+        &self.cube
+    }
+
+    /// What a lobe of this perceptual roughness, 0 to 1, gathers around the centre of each texel: the mean of the environment with the
+    /// weight `D(H) (L.R)`, as seen head on (Karis 2013). `size` is the height of a face; where the lobe leaves no detail for so many
+    /// texels they are interpolated. A roughness of 0 gives the environment.
+    ///
+    /// # Errors
+    /// [`LightError::LayoutSize`] as [`Environment::from_fn`] has them.
+    pub fn ggx(
+        &mut self,
+        layout: EnvironmentLayout,
+        size: u32,
+        roughness: f32,
+    ) -> Result<Environment, LightError> {
+        let roughness = F32s::<Scalar>::clamp(roughness, 0.0, 1.0);
+        if roughness == 0.0 {
+            return self.cube.convert(layout, size);
+        }
+        self.resized(layout, size, side(roughness), |this, layout, size| {
+            this.lobe(layout, size, roughness)
+        })
+    }
+
+    /// What a white diffuse surface that faces the centre of each texel gives off: its irradiance over pi.
+    ///
+    /// # Errors
+    /// As [`ggx`](Self::ggx).
+    pub fn irradiance(
+        &mut self,
+        layout: EnvironmentLayout,
+        size: u32,
+    ) -> Result<Environment, LightError> {
+        self.resized(layout, size, DIFFUSE_SIZE, Self::diffuse)
+    }
+
+    /// Made with `most` texels at most, and interpolated from there.
+    fn resized(
+        &mut self,
+        layout: EnvironmentLayout,
+        size: u32,
+        most: u32,
+        make: impl Fn(&mut Self, EnvironmentLayout, u32) -> Result<Environment, LightError>,
+    ) -> Result<Environment, LightError> {
+        // A face of the only one of a layout shows as much as six.
+        let most = if layout.faces() == 6 { most } else { 2 * most };
+        if size <= most {
+            return make(self, layout, size);
+        }
+        make(self, layout, most)?.convert(layout, size)
+    }
+
+    pub(super) fn lobe(
+        &mut self,
+        layout: EnvironmentLayout,
+        size: u32,
+        roughness: f32,
+    ) -> Result<Environment, LightError> {
+        // The smallest are gathered from more: their patches of sixteen are wide.
+        let source = if size > 16 { size } else { (2 * size).max(32) };
+        self.gathered(layout, size, source, Kernel::ggx(roughness * roughness))
+    }
+
+    pub(super) fn diffuse(
+        &mut self,
+        layout: EnvironmentLayout,
+        size: u32,
+    ) -> Result<Environment, LightError> {
+        self.gathered(layout, size, DIFFUSE_SOURCE, Kernel::Cosine)
+    }
+
+    /// Gathered from the level of the cube with at most `source` texels a side.
+    fn gathered(
+        &mut self,
+        layout: EnvironmentLayout,
+        size: u32,
+        source: u32,
+        kernel: Kernel,
+    ) -> Result<Environment, LightError> {
+        let levels = &self.cube.levels;
+        let above = levels.iter().take_while(|level| level.width > source);
+        let wanted = above.count().min(levels.len() - 1);
+        if self.sources.iter().all(|(level, _)| *level != wanted) {
+            self.sources.push((wanted, Texels::new(&self.cube, wanted)));
+        }
+        let found = self.sources.iter().find(|(level, _)| *level == wanted);
+        let texels = found.map(|(_, texels)| texels);
+        let simd = level();
+        Environment::from_directions(layout, size, |face, centre, sides| {
+            let r = layout.direction(face, centre / sides);
+            texels.map_or([0.0; 3], |texels| texels.gather(simd, kernel, r))
+        })
+    }
+}
+
+/// Texels a side that [`Prefilter`] gathers for a roughness, in a cube of `size`.
+pub(super) fn size_of(size: u32, roughness: f32) -> u32 {
+    size.min(side(roughness))
+}

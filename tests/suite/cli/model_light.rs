@@ -1,0 +1,237 @@
+//! Models under light from all around: their default, the environment behind them, their shadow on the ground, and `texmap env --prefilter`.
+
+use image::{Rgb, Rgb32FImage, RgbaImage};
+
+use crate::program::Desk;
+
+const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
+    f 5 6 7 8\nf 2 1 4 3\nf 6 2 3 7\nf 1 5 8 4\nf 8 7 3 4\nf 1 2 6 5\n";
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.put("cube.obj", format!("mtllib cube.mtl\nusemtl m\n{CUBE}"));
+    desk.put(
+        "cube.mtl",
+        "newmtl m\nKd 0.7 0.7 0.7\nKs 0.5 0.5 0.5\nNs 60\n",
+    );
+    // Red at +X, dark elsewhere, and a little bright above.
+    Rgb32FImage::from_fn(64, 32, |x, y| match (x, y) {
+        (40..56, 8..24) => Rgb([4.0, 0.2, 0.2]),
+        (_, 0..8) => Rgb([0.5, 0.5, 0.6]),
+        _ => Rgb([0.05, 0.05, 0.05]),
+    })
+    .save(desk.path("sky.hdr"))
+    .unwrap();
+    desk
+}
+
+fn drawn(desk: &Desk, flags: &str) -> (RgbaImage, serde_json::Value) {
+    let command = format!("render cube.obj --resolution 96x72 -o c.png --json {flags}");
+    let run = desk.texmap(&command).ok();
+    (desk.picture("c.png"), run.json()["items"][0].clone())
+}
+
+#[test]
+fn models_are_metallic_roughness_and_scenes_are_not() {
+    let desk = desk();
+    let hash = |flags: &str| drawn(&desk, flags).1["pixel_hash"].clone();
+    let default = hash("");
+    assert_eq!(default, hash("--shading metallic-roughness --env neutral"));
+    assert_eq!(default, hash("--tone-map pbr-neutral --exposure 1"));
+    let classic = hash("--shading classic");
+    assert_ne!(default, classic);
+    assert_ne!(default, hash("--env sky.hdr"));
+    // What only the classic model can tell is asked of it, and raw colours are no light.
+    assert_ne!(
+        hash("--color raw"),
+        hash("--color raw --shading metallic-roughness")
+    );
+    desk.texmap("render cube.obj --resolution 32x24 -o v.png --verify")
+        .ok();
+    desk.put("cube.scene", "eye 0 0 6\nlook 0 0 0\nfov 40\nla 0.3 0.3 0.3\nld 0.6 0.6 0.6 0.2 -0.5 -1\nmodel cube.obj\n");
+    let scene = |flags: &str| {
+        let command = format!("render cube.scene --resolution 48x36 -o s.png --json {flags}");
+        desk.texmap(&command).ok().json()["items"][0]["pixel_hash"].clone()
+    };
+    assert_eq!(scene(""), scene("--shading classic"));
+    assert_ne!(scene(""), scene("--shading metallic-roughness"));
+}
+
+/// Up is up: the top of a cube that stands on its Z axis is lit as that of one that stands on Y.
+#[test]
+fn the_light_stands_on_the_axis_that_points_up() {
+    let desk = desk();
+    let (y, _) = drawn(&desk, "--view front");
+    // Turned by hand: (x, y, z) to (x, -z, y).
+    let turned: String = CUBE
+        .lines()
+        .map(|line| match line.strip_prefix("v ") {
+            Some(numbers) => {
+                let p: Vec<f64> = numbers.split(' ').map(|n| n.parse().unwrap()).collect();
+                format!("v {} {} {}\n", p[0], -p[2], p[1])
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    desk.put("cube.obj", format!("mtllib cube.mtl\nusemtl m\n{turned}"));
+    let (z, _) = drawn(&desk, "--view front --up z");
+    let most = |a: &RgbaImage, b: &RgbaImage| {
+        let each = a.as_raw().iter().zip(b.as_raw());
+        each.map(|(a, b)| a.abs_diff(*b)).max()
+    };
+    assert!(most(&y, &z) <= Some(1), "{:?}", most(&y, &z));
+    let (wrong, _) = drawn(&desk, "--view bottom");
+    assert!(most(&y, &wrong) > Some(8));
+}
+
+#[test]
+fn words_of_metallic_roughness_are_drawn_and_told_where_they_are_not() {
+    let desk = desk();
+    let hash = |flags: &str| drawn(&desk, flags).1["pixel_hash"].clone();
+    let plain = hash("");
+    let classic = hash("--shading classic");
+    desk.put(
+        "cube.mtl",
+        "newmtl m\nKd 0.7 0.7 0.7\nKs 0.5 0.5 0.5\nNs 60\nPr 0.2\nPm 1\n",
+    );
+    let (_, metal) = drawn(&desk, "");
+    assert!(metal["pixel_hash"] != plain && metal["warnings"].as_array().unwrap().is_empty());
+    let (_, told) = drawn(&desk, "--shading classic");
+    assert_eq!(told["pixel_hash"], classic);
+    let warnings = told["warnings"].as_array().unwrap();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(
+        warnings[0]
+            .as_str()
+            .unwrap()
+            .contains("1 material has metalness")
+    );
+}
+
+#[test]
+fn the_environment_is_seen_behind_a_model() {
+    let desk = desk();
+    let corner = |flags: &str| {
+        let look = "--camera-eye -6,0,0 --camera-look 0,0,0 --fov 60";
+        let (picture, _) = drawn(&desk, &format!("{look} {flags}"));
+        picture.get_pixel(10, 36).0
+    };
+    let plain = corner("--env sky.hdr");
+    let [r, g, b, a] = corner("--env sky.hdr --background env");
+    assert_ne!(plain, [r, g, b, a]);
+    // Toward +X it is red, and stays so where it is turned by a whole turn, and is not by half of one.
+    assert!(a == 255 && r > 200 && r > g + 60 && g == b, "{r} {g} {b}");
+    assert_eq!(
+        corner("--env sky.hdr --background env --env-rotate 360"),
+        [r, g, b, a]
+    );
+    let [back, ..] = corner("--env sky.hdr --background env --env-rotate 180");
+    assert!(back < 90, "{back}");
+    // The exposure and the curve of the model are those of what is behind it.
+    let [dim, ..] = corner("--env sky.hdr --background env --exposure 0.05");
+    assert!(dim < r - 40, "{dim}");
+    assert_ne!(corner("--background env"), corner(""));
+    desk.refused(
+        "render cube.obj --env none --background env -o x.png",
+        2,
+        "--env neutral",
+    );
+    desk.refused(
+        "render cube.obj --orthographic --background env -o x.png",
+        4,
+        "environment behind",
+    );
+}
+
+#[test]
+fn a_shadow_lies_on_the_ground_under_a_model() {
+    let desk = desk();
+    let (none, _) = drawn(&desk, "--background transparent");
+    let (shadow, report) = drawn(&desk, "--background transparent --ground-shadow");
+    // The model itself is as it was; around its foot something dark and half clear is there.
+    let mut soft = 0;
+    for (a, b) in none.pixels().zip(shadow.pixels()) {
+        match (a.0[3], b.0[3]) {
+            (255, _) => assert_eq!(a, b),
+            (0, 1..255) => {
+                assert_eq!(b.0[..3], [0; 3]);
+                soft += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(soft > 300, "{soft}");
+    assert_eq!(report["picture"]["meshes"].as_array().unwrap().len(), 1);
+    // From below there is no ground, and the camera does not move for it.
+    let below = "--view bottom --background transparent";
+    assert_eq!(
+        drawn(&desk, below).0,
+        drawn(&desk, &format!("{below} --ground-shadow")).0
+    );
+    // Arrays do not know it.
+    drawn(&desk, "--aov depth");
+    let depth = desk.read("c.depth.npy");
+    drawn(&desk, "--aov depth --ground-shadow");
+    assert_eq!(desk.read("c.depth.npy"), depth);
+}
+
+#[test]
+fn a_prefiltered_environment_is_files_of_powers_of_two() {
+    let desk = desk();
+    let run = desk
+        .texmap("env sky.hdr --prefilter ggx --size 16 -o out/sky.exr --json")
+        .ok();
+    let files = run.json()["files"].clone();
+    let name = |i: usize| files[i]["path"].as_str().unwrap().to_owned();
+    let shape = |i: usize| files[i]["shape"].clone();
+    let names: Vec<String> = (0..5).map(name).collect();
+    let expected = ["level0", "level1", "level2", "irradiance", "brdf"];
+    assert_eq!(
+        names,
+        expected.map(|middle| format!("out/sky.{middle}.exr"))
+    );
+    assert_eq!(shape(1), serde_json::json!([48, 8]));
+    assert_eq!(shape(4), serde_json::json!([128, 128]));
+    // Level 0 is the environment, the last its roughest mean: red toward +X in both, less so in the latter.
+    let red = |name: &str| {
+        let picture = image::open(desk.path(name)).unwrap().into_rgb32f();
+        let side = picture.width();
+        picture.get_pixel(side / 2, side / 2).0[0]
+    };
+    let (sharp, rough) = (red("out/sky.level0.exr"), red("out/sky.level2.exr"));
+    assert!(
+        (sharp - 4.0).abs() < 0.1 && rough < 3.0 && rough > 0.5,
+        "{sharp} {rough}"
+    );
+    desk.texmap("env sky.hdr --prefilter ggx --size 16 --levels 2 --faces files -o f.hdr")
+        .ok();
+    for name in [
+        "f.level0.px.hdr",
+        "f.level1.nz.hdr",
+        "f.irradiance.py.hdr",
+        "f.brdf.hdr",
+    ] {
+        assert!(desk.path(name).is_file(), "{name}");
+    }
+    desk.texmap("env sky.hdr --to cube --size 8 --faces cross -o cross.png")
+        .ok();
+    assert_eq!(desk.picture("cross.png").dimensions(), (32, 24));
+    desk.refused(
+        "env sky.hdr --prefilter ggx --size 24 -o x.exr",
+        2,
+        "power of two",
+    );
+    desk.refused(
+        "env sky.hdr --prefilter ggx --size 16 --levels 9 -o x.exr",
+        2,
+        "5 are the most",
+    );
+    desk.refused("env sky.hdr --prefilter ggx -o x.png", 2, ".exr or .hdr");
+    desk.refused("env sky.hdr --prefilter ggx -o -", 2, "several files");
+    desk.refused(
+        "env sky.hdr --to lat-long --faces cross -o x.exr",
+        2,
+        "six faces",
+    );
+    desk.refused("env sky.hdr -o x.exr", 2, "--to");
+}
