@@ -62,8 +62,10 @@ pub(crate) struct Textures {
     pub(crate) missing: Option<Missing>,
     /// Every fault is only noted in `files` (for reports on files).
     pub(crate) tolerant: bool,
-    loaded: Vec<(PathBuf, Content, usize)>,
-    loaded_grids: Vec<(PathBuf, usize)>,
+    /// Names of `files`.
+    noted: HashSet<PathBuf>,
+    loaded: HashMap<(PathBuf, Content), usize>,
+    loaded_grids: HashMap<PathBuf, usize>,
     /// Files that were decoded before they are loaded.
     ahead: HashMap<(PathBuf, Content), Result<Decoded, IoError>>,
     /// Models and libraries that were read.
@@ -159,16 +161,12 @@ impl Textures {
 
     /// Decodes files that will be loaded, all at once. Their faults come up when they are loaded; nothing is decoded ahead where the
     /// memory budget does not hold all of them.
-    pub(crate) fn decode_ahead(&mut self, wanted: Vec<(PathBuf, SourceLocation, Content)>) {
-        let mut new: Vec<(PathBuf, SourceLocation, Content)> = Vec::new();
-        for (path, location, content) in wanted {
-            let same = |p: &Path, c: Content| *p == *path && c == content;
-            if !self.loaded.iter().any(|(p, c, _)| same(p, *c))
-                && !new.iter().any(|(p, _, c)| same(p, *c))
-            {
-                new.push((path, location, content));
-            }
-        }
+    pub(crate) fn decode_ahead(&mut self, mut new: Vec<(PathBuf, SourceLocation, Content)>) {
+        let mut seen = HashSet::new();
+        new.retain(|(path, _, content)| {
+            let key = (path.clone(), *content);
+            !self.loaded.contains_key(&key) && seen.insert(key)
+        });
         if new.len() < 2 {
             return;
         }
@@ -201,14 +199,11 @@ impl Textures {
         content: Content,
         missing: Missing,
     ) -> Result<usize, IoError> {
-        let known = self
-            .loaded
-            .iter()
-            .find(|(p, c, _)| p == path && *c == content);
-        if let Some((_, _, index)) = known {
+        let key = (path.to_path_buf(), content);
+        if let Some(index) = self.loaded.get(&key) {
             return Ok(*index);
         }
-        let ahead = self.ahead.remove(&(path.to_path_buf(), content));
+        let ahead = self.ahead.remove(&key);
         let read = ahead.unwrap_or_else(|| {
             let (texture, size) = self.read(path, location, content)?;
             Ok((texture.with_mips(), size))
@@ -225,7 +220,7 @@ impl Textures {
         };
         self.textures.push(texture);
         let index = self.textures.len() - 1;
-        self.loaded.push((path.to_path_buf(), content, index));
+        self.loaded.insert(key, index);
         Ok(index)
     }
 
@@ -251,7 +246,7 @@ impl Textures {
         location: &SourceLocation,
         missing: Missing,
     ) -> Result<usize, IoError> {
-        if let Some((_, index)) = self.loaded_grids.iter().find(|(p, _)| p == path) {
+        if let Some(index) = self.loaded_grids.get(path) {
             return Ok(*index);
         }
         let grid = match grids::read_named(&self.source, path, Some(location)) {
@@ -267,7 +262,7 @@ impl Textures {
         };
         self.grids.push(grid);
         let index = self.grids.len() - 1;
-        self.loaded_grids.push((path.to_path_buf(), index));
+        self.loaded_grids.insert(path.to_path_buf(), index);
         Ok(index)
     }
 
@@ -322,7 +317,7 @@ impl Textures {
         location: &SourceLocation,
         found: Result<(u32, u32, u32), String>,
     ) {
-        if !self.files.iter().any(|f| f.path == path) {
+        if self.noted.insert(path.to_path_buf()) {
             self.files.push(MapFile {
                 path: path.to_path_buf(),
                 location: location.clone(),

@@ -2,6 +2,7 @@
 //!
 //! Source of the format: Greg Turk, "The PLY Polygon File Format" (1994).
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use super::values::Kind;
@@ -62,6 +63,8 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Header, IoError> {
         end: 0,
     };
     let mut encoding = None;
+    // Properties of the last element.
+    let mut known = HashSet::new();
     for number in 1.. {
         let rest = &bytes[header.end..];
         let end = memchr::memmem::find(rest, line_end.as_bytes());
@@ -93,7 +96,10 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Header, IoError> {
                 }
             }
             "format" => encoding = Some(format(&line).map_err(fault)?),
-            "element" => header.elements.push(element(&line).map_err(fault)?),
+            "element" => {
+                header.elements.push(element(&line).map_err(fault)?);
+                known.clear();
+            }
             "property" => {
                 let Some(element) = header.elements.last_mut() else {
                     return Err(broken(
@@ -103,7 +109,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Header, IoError> {
                     ));
                 };
                 let property = property(&line).map_err(fault)?;
-                if element.properties.iter().any(|p| p.name == property.name) {
+                if !known.insert(property.name.clone()) {
                     let problem = format!("the property `{}` stands twice", property.name);
                     return Err(broken(number, 1, problem));
                 }
@@ -256,6 +262,14 @@ mod tests {
             assert_eq!((vertex.count, vertex.properties[1].kind), (3, Kind::U8));
             assert_eq!(face.properties[0].list, Some(Kind::U8));
         }
+    }
+
+    #[test]
+    fn names_of_properties_are_those_of_an_element() {
+        let shared = HEAD.replace("int vertex_indices", "int x");
+        assert_eq!(read(&shared).unwrap().elements[1].properties[0].name, "x");
+        let twice = HEAD.replace("uchar red", "uchar red\nproperty uchar x");
+        assert!(read(&twice).is_err());
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! Fonts, and words that are written or embossed.
 
+use std::sync::LazyLock;
+
 use texmap_math::glam::DVec3;
 use texmap_mesh::Font;
+use texmap_sample::Texture2d;
 use texmap_scene::{AlphaMode, Material, Scene, Shading, TextureRole};
 
 use super::build::Builder;
@@ -100,9 +103,12 @@ fn written(settings: &Settings, texture: usize, scene: &Scene) -> Material {
 
 /// The current font and its atlas.
 fn current_font(b: &mut Builder) -> (usize, Font) {
+    // Drawn once, whatever number of texts there are.
+    static BUILT_IN: LazyLock<(Texture2d<'static>, Font)> =
+        LazyLock::new(|| built_in_font().expect("the atlas has a size that textures may have"));
     b.settings.materials.font.unwrap_or_else(|| {
-        let (texture, font) = built_in_font().expect("the atlas has a size that textures may have");
-        (b.textures.made("font", || texture), font)
+        let (texture, font) = &*BUILT_IN;
+        (b.textures.made("font", || texture.clone()), *font)
     })
 }
 
