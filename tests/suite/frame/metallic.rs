@@ -2,15 +2,16 @@
 
 use texmap_light::reference::metallic_roughness::Reflectance;
 use texmap_light::{
-    EnvironmentLight, Light, MetallicRoughnessSurface, NormalMapGreen, PhongMaterial, ToneMap,
-    dielectric_f0, lanes,
+    Environment, EnvironmentLayout, EnvironmentLight, Light, MetallicRoughnessSurface,
+    NormalMapGreen, PhongMaterial, ToneMap, dielectric_f0, lanes,
 };
 use texmap_math::glam::DVec3;
 use texmap_render::{Aov, RenderSettings, no_progress, render};
 use texmap_sample::Filter;
 use texmap_scene::{
-    AlphaMode, Clearcoat, ColorMode, Effects, Emission, Material, Mesh, MetallicRoughness,
-    NormalDetail, Scene, SceneError, Shading, Shadow, Sheen, TextureSlot, ToneMapping, UvSet,
+    AlphaMode, Background, Clearcoat, ColorMode, Effects, Emission, Material, Mesh,
+    MetallicRoughness, NormalDetail, Scene, SceneError, Shading, Shadow, Sheen, TextureSlot,
+    ToneMapping, UvSet,
 };
 use texmap_tests::levels::levels;
 
@@ -93,6 +94,49 @@ fn a_light_gives_each_pixel_what_the_reference_says() {
                     "{metalness} {roughness} {x} {y}: {got} {expected}"
                 );
             }
+        }
+    }
+}
+
+/// Each pixel of the background is the environment light as a mirror shows it, turned with it and under exposure and curve.
+#[test]
+fn the_light_behind_a_scene_is_that_of_its_mirrors() {
+    let sky = |d: DVec3| [0.5 + 0.4 * d.x, 0.5 + 0.4 * d.y, 0.4 + 0.3 * d.z].map(|c| c as f32);
+    let sky = Environment::from_fn(EnvironmentLayout::Cube, 64, sky).unwrap();
+    let light = EnvironmentLight::new(&sky, 64).unwrap().turned(0.7);
+    for (light, exposure, map) in [
+        (light.clone(), 1.0, ToneMap::None),
+        (light.clone().upright_on_z(), 0.8, ToneMap::PbrNeutral),
+    ] {
+        let mut scene = of(scenes::unlit([1.0; 3]), wall(0.2, 5.0));
+        scene.effects.background = Some(Background::EnvironmentLight);
+        assert!(scene.check().is_err(), "there is none yet");
+        scene.effects.environment_light = Some(light.clone());
+        scene.effects.tone_mapping = ToneMapping { exposure, map };
+        scene.camera.look = scene.camera.eye + DVec3::new(0.6, 0.3, -1.0);
+        let frames = levels().into_iter().map(|(_, level)| {
+            let settings = RenderSettings {
+                level,
+                ..RenderSettings::new(32, 24)
+            };
+            render(&scene, &settings, &no_progress).unwrap()
+        });
+        let frames: Vec<_> = frames.collect();
+        assert!(frames.iter().all(|frame| frame.rgba == frames[0].rgba));
+        for (x, y) in [(1, 1), (30, 3), (5, 20), (29, 22)] {
+            let (u, v) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let d = scene.camera.ray(32, 24, u, v).unwrap();
+            let d = d.to_array().map(|c| c as f32);
+            let seen = map.apply(exposure, light.radiance(0.0, d));
+            let unturned = map.apply(exposure, light.clone().turned(0.0).radiance(0.0, d));
+            let off = |light: [f32; 3]| {
+                let each = (0..3).map(|k| {
+                    (f64::from(pixel(&frames[0], x, y)[k]) - stored(light[k].into())).abs()
+                });
+                each.fold(0.0, f64::max)
+            };
+            assert!(off(seen) < 1.5, "{x} {y}: {}", off(seen));
+            assert!(off(unturned) > 5.0, "{x} {y}");
         }
     }
 }
