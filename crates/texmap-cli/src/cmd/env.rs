@@ -54,7 +54,7 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
     one_stdout(args.json, &args.output)?;
     distinct([&args.output], [&args.image])?;
     let destination = Destination::new(&args.output)?;
-    let format = formats::picture(&args.output)?;
+    let format = formats::picture("-o", &args.output)?;
     let source = texmap_io::read_environment(&args.image, args.from)?;
     let texels = |e: &Environment| {
         let (width, height) = e.size();

@@ -1,6 +1,6 @@
 //! One module per verb: its arguments and what it does.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use texmap_io::FileSource;
@@ -28,12 +28,17 @@ pub(crate) mod written;
 /// Where a verb that loads scenes reads files from.
 #[derive(Args, Debug)]
 pub(crate) struct Root {
-    /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers
+    /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers. A model on standard input finds its
+    /// files here
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
 }
 
 impl Root {
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.root.as_deref()
+    }
+
     pub(crate) fn files(&self) -> Result<FileSource, Failure> {
         let within = |folder: &PathBuf| FileSource::within(folder);
         Ok(self

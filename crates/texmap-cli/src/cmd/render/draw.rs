@@ -51,16 +51,13 @@ pub(crate) fn item(
             .missing
             .or((!scene_file).then_some(Missing::Checker)),
         color: args.color,
-        // Standard input names no files of this machine.
-        files: match file == item.input {
-            true => files.clone(),
-            false => FileSource::within(file.parent().unwrap_or(Path::new(".")))?,
-        },
+        files: files.clone(),
         camera: args.camera.named.clone(),
         time: args.time,
         animation: args.animation.clone(),
     };
-    let mut scene = load(file, &item.input, &options)?;
+    let rootless = file != item.input && args.root.folder().is_none();
+    let mut scene = load(file, rootless, &options)?;
     if let Some(background) = args.background {
         scene.background = background.0;
     }
@@ -124,24 +121,22 @@ pub(crate) fn item(
     }
 }
 
-/// Loads a file. Standard input is named as such in warnings and errors.
-fn load(file: &Path, input: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
-    let folder = file.parent().filter(|_| file != input);
-    let folder = folder.map(|folder| format!("{}/", folder.display()));
-    let told = |text: &str| match &folder {
-        Some(folder) => text.replace(folder.as_str(), ""),
-        None => text.to_owned(),
-    };
+/// Loads a file. Where one from standard input names others, and no folder for them is given, a warning or the error says how to give it.
+fn load(file: &Path, rootless: bool, options: &LoadOptions) -> Result<Scene, Failure> {
+    let hint = "standard input has no folder; the files that it names are looked for in that of --root DIR";
     let mut scene = texmap_io::load(file, options).map_err(|error| {
         let failure = Failure::from(error);
-        Failure {
-            what: told(&failure.what),
-            why: told(&failure.why),
-            ..failure
+        match rootless && failure.code == "file-missing" {
+            true => Failure {
+                why: hint.into(),
+                ..failure
+            },
+            false => failure,
         }
     })?;
-    for warning in &mut scene.warnings {
-        *warning = told(warning);
+    let lost = |warning: &String| warning.contains("no such file");
+    if rootless && scene.warnings.iter().any(lost) {
+        scene.warnings.push(hint.into());
     }
     Ok(scene)
 }

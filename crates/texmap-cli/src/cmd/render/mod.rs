@@ -149,14 +149,14 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let level = args.level.level()?;
     let files = args.root.files()?;
     let cameras = args.camera.list(&files)?;
-    let inputs = Inputs::read(&args.inputs, &files)?;
+    let inputs = Inputs::read(&args.inputs, &files, args.root.folder())?;
     let items = plan::items(args, &inputs.names, args.camera.names(&cameras).as_deref())?;
     let cameras = args.camera.walk(&files, cameras)?;
     let mut reports: Vec<ItemReport> = Vec::new();
     let mut failures = Vec::new();
     for item in &items {
-        let file = inputs.file(&item.input);
-        match draw::item(args, item, file, level, &cameras, &files) {
+        let (file, files) = inputs.file(&item.input, &files);
+        match draw::item(args, item, file, level, &cameras, files) {
             Ok(done) => reports.extend(done),
             // Alone, a bad input is the whole answer; among others it is one line of the report.
             Err(failure) if items.len() == 1 => return Err(failure),
