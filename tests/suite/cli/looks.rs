@@ -230,6 +230,7 @@ fn piped(desk: &Desk, arguments: &str, bytes: &[u8]) -> Output {
 #[test]
 fn a_piped_model_finds_its_files_under_the_root() {
     let desk = Desk::new();
+    std::fs::create_dir_all(desk.path("m/maps")).unwrap();
     desk.put("m/a.obj", "mtllib maps/a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/3\n");
     desk.put("m/maps/a.mtl", "newmtl a\nmap_Kd a.png\n");
     image::RgbaImage::from_pixel(2, 2, image::Rgba([250, 20, 20, 255]))
