@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod cow;
+mod dots;
 mod effect_scenes;
 mod gltf;
 mod mesh;

@@ -38,9 +38,8 @@ impl Picture {
 
     /// Writes `text` with its upper left corner at (x, y), each dot `size` texels wide; what falls outside is cut.
     pub(crate) fn text(&mut self, x: u32, y: u32, size: u32, color: Rgba, text: &str) {
-        use font8x8::UnicodeFonts;
         for (i, c) in text.chars().enumerate() {
-            let glyph = font8x8::BASIC_FONTS.get(c).unwrap_or_default();
+            let glyph = crate::dots::dots(c).unwrap_or_default();
             for (row, bits) in glyph.iter().enumerate() {
                 for column in (0..8).filter(|column| bits >> column & 1 == 1) {
                     let (left, top) = (x + (i as u32 * 8 + column) * size, y + row as u32 * size);

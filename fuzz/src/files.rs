@@ -4,8 +4,8 @@ use std::path::Path;
 use texmap_mesh::tessellate;
 
 use texmap_io::{
-    CameraPath, IoError, LoadOptions, image_io, load_bytes, npy as array, read_environment,
-    read_grid, scene_file,
+    CameraList, CameraPath, FileSource, IoError, LoadOptions, image_io, load_bytes, npy as array,
+    read_environment, read_grid, scene_file,
 };
 use texmap_light::EnvironmentLayout;
 use texmap_math::glam::DVec3;
@@ -148,6 +148,37 @@ pub fn path(bytes: &[u8]) {
                 }
             }
             Err(error) => named(&error, &String::from_utf8_lossy(bytes)),
+        }
+    });
+}
+
+/// A list of cameras: refused by name, or cameras with a view, as many as it names, at any shape of picture.
+pub fn cameras(bytes: &[u8]) {
+    in_folder(&[("fuzz.json", bytes)], |folder| {
+        let path = folder.join("fuzz.json");
+        let text = String::from_utf8_lossy(bytes);
+        let list = match CameraList::read_from(&path, &FileSource::anywhere()) {
+            Ok(list) => list,
+            Err(error) => return named(&error, &text),
+        };
+        let count = list.names().len();
+        assert!(count > 0);
+        let base = texmap_math::Camera::look_at([0.0, 0.0, 5.0], [0.0; 3]);
+        for (width, height) in [(640, 480), (1, 1), (16384, 1)] {
+            match list.cameras(&base, width, height) {
+                Ok(cameras) => {
+                    assert_eq!(cameras.len(), count);
+                    for place in cameras {
+                        let aspect = f64::from(width) / f64::from(height);
+                        assert!(place.camera.view().is_ok(), "{place:?}");
+                        // A lens may still be refused, but by a name.
+                        if let Err(error) = place.camera.clip_from_world(aspect) {
+                            assert!(!error.to_string().is_empty());
+                        }
+                    }
+                }
+                Err(error) => named(&error, &text),
+            }
         }
     });
 }

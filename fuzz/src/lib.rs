@@ -8,7 +8,7 @@ mod sample;
 mod uv;
 
 pub use draw::draw;
-pub use files::{gltf, image, mtl, npy, obj, path, planner, ply, scene, stl};
+pub use files::{cameras, gltf, image, mtl, npy, obj, path, planner, ply, scene, stl};
 pub use light::light;
 pub use sample::sample;
 pub use uv::uv;

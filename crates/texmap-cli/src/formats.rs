@@ -36,14 +36,14 @@ pub(crate) fn ending<'e>(flag: &str, output: &Path, known: &[&'e str]) -> Result
     })
 }
 
-/// The format of a picture of colours, which may be any format.
-pub(crate) fn picture(output: &Path) -> Result<PictureFormat, Failure> {
+/// The format of a picture of colours, which may be any format. The output is named by `flag`.
+pub(crate) fn picture(flag: &str, output: &Path) -> Result<PictureFormat, Failure> {
     // `.jpeg` is `.jpg`.
     if let Some(format) = PictureFormat::of(output) {
         return Ok(format);
     }
     let endings = PictureFormat::ALL.map(PictureFormat::ending);
-    ending("-o", output, &endings).map(|_| PictureFormat::Png)
+    ending(flag, output, &endings).map(|_| PictureFormat::Png)
 }
 
 /// Files of the pictures of a walk.
@@ -71,13 +71,8 @@ pub(crate) fn output(path: &Path, several: bool) -> Result<Output, Failure> {
             ),
             "add --turntable N, or --path CAMERA.json --frames N, or end the name with .png",
         )),
-        None => picture(path).map(Output::Pictures),
+        None => picture("-o", path).map(Output::Pictures),
     }
-}
-
-/// Refuses a picture of 8 bits that is not named as a PNG.
-pub(crate) fn png(flag: &str, output: &Path) -> Result<(), Failure> {
-    ending(flag, output, &["png"]).map(|_| ())
 }
 
 /// Pixel layout of a picture that is made of one with `bits` a channel.
@@ -156,8 +151,11 @@ mod tests {
             assert!(failure.what.contains(bad), "{}", failure.what);
             assert_eq!(failure.why, "end the name with .png, .hdr or .exr");
         }
-        assert!(picture(Path::new("a.JPEG")).is_ok() && picture(Path::new("a.webp")).is_ok());
-        assert!(picture(Path::new("a.bmp")).is_err());
+        assert!(
+            picture("-o", Path::new("a.JPEG")).is_ok()
+                && picture("-o", Path::new("a.webp")).is_ok()
+        );
+        assert!(picture("-o", Path::new("a.bmp")).is_err());
         let spin = Path::new("spin.gif");
         assert_eq!(
             output(spin, true),

@@ -17,12 +17,14 @@ use crate::failure::{Exit, Failure};
 
 mod args;
 mod cmd;
+mod digits;
 mod failure;
 mod formats;
 mod interrupt;
 mod memory;
 mod os_name;
 mod output;
+mod picture;
 mod progress;
 mod values;
 

@@ -29,6 +29,7 @@
 
 mod animation;
 pub mod atomic;
+mod camera_list;
 mod camera_path;
 mod camera_pose;
 mod environment_io;
@@ -54,8 +55,9 @@ mod stl;
 mod textures;
 
 pub use animation::{Animation, AnimationFormat, write_animation};
+pub use camera_list::{CameraList, NamedCamera};
 pub use camera_path::{CameraPath, Keyframe};
-pub use camera_pose::{CameraAxes, CameraList, CameraPose, Intrinsics, NamedCamera};
+pub use camera_pose::{CameraAxes, CameraPose, Intrinsics};
 pub use environment_io::{read_environment, write_environment, write_light};
 pub use error::{IoError, SourceLocation, plain, plain_json, shortened, shown};
 pub use exr_layers::{ExrLayer, write_exr};

@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .map_or("", |(_, shows)| shows);
         row(name, shows, demos::demo(name, 320)?)?;
         for (scene, shows, spoiled) in SCENES.into_iter().filter(|_| name == "slides") {
-            let file = folder.join(format!("../../assets/scenes/{scene}.scene"));
+            let file = folder.join(format!("../../../assets/scenes/{scene}.scene"));
             let loaded = texmap_io::load_scene(&file, &Default::default())?;
             row(
                 scene,

@@ -2,7 +2,8 @@
 //!
 //! - [`tessellate`]: displacement maps and billboards of a scene become triangles, for one camera and picture size.
 //! - [`Skin`], [`Skeleton`]: linear blend skinning; [`map_vertices`]: any function of a vertex.
-//! - [`height_field`]: terrain over a picture of heights; [`billboards`]: cards that face the camera; [`Font`]: words as quads.
+//! - [`height_field`]: terrain over a picture of heights; [`billboards`]: cards that face the camera; [`Font`]: words as quads;
+//!   [`Typeface`]: the built-in letters as coverage of pixels.
 //!
 //! ```
 //! use texmap_mesh::map_vertices;
@@ -29,6 +30,7 @@ mod refine;
 mod skin;
 mod tessellate;
 mod text;
+mod typeface;
 mod vertex_stage;
 
 pub use billboard::billboards;
@@ -37,4 +39,5 @@ pub use height_field::height_field;
 pub use skin::{Bone, Skeleton, Skin, SkinBlend, rotation, rotation_about};
 pub use tessellate::tessellate;
 pub use text::Font;
+pub use typeface::{GlyphGrid, Typeface};
 pub use vertex_stage::{MeshVertex, map_vertices};

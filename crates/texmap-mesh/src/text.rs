@@ -102,7 +102,7 @@ impl Font {
     /// Texels across and down of [`heights`](Self::heights).
     #[must_use]
     pub fn heights_size(&self, words: &str, atlas: &Texture2d<'_>) -> [u32; 2] {
-        let [_, body] = self.body_texels(atlas);
+        let [_, body] = self.texels_of(self.body, atlas);
         let lines = words.lines();
         let longest = lines.clone().map(|line| line.chars().count()).max();
         // A character more than is written makes the margin.
@@ -115,17 +115,17 @@ impl Font {
         ]
     }
 
-    /// First texel of the body in its cell, and texels of the body, across and down.
-    fn body_texels(&self, atlas: &Texture2d<'_>) -> [[u32; 2]; 2] {
+    /// First texel of a part of the cell (left, top, right, bottom), and its texels across and down.
+    fn texels_of(&self, part: [f32; 4], atlas: &Texture2d<'_>) -> [[u32; 2]; 2] {
         let cell = self.cell_texels(atlas);
         let texel = |k: usize, part: f32| (part * cell[k] as f32 + 0.5) as u32;
-        let [left, top, right, bottom] = self.body;
+        let [left, top, right, bottom] = part;
         let first = [texel(0, left), texel(1, top)];
-        let body = [
+        let size = [
             texel(0, right).saturating_sub(first[0]),
             texel(1, bottom).saturating_sub(first[1]),
         ];
-        [first, body]
+        [first, size]
     }
 
     /// Texels of a cell, across and down.
@@ -138,8 +138,8 @@ impl Font {
         [atlas.width() / columns, atlas.height() / rows]
     }
 
-    /// Words as heights for a bump map: 1 where the atlas is opaque (or white, if it has no alpha), 0 elsewhere, half a character
-    /// of margin around. The atlas's own texels, so that each keeps its coordinates.
+    /// Words as heights for a bump map: the alpha of the atlas (its red, if it has no alpha), 0 elsewhere, half a character of margin
+    /// around. The atlas's own texels, so that each keeps its coordinates; where characters reach into their neighbours, the higher counts.
     ///
     /// # Errors
     /// [`SampleError`] if the words need more texels than a texture has, or the cells none.
@@ -150,7 +150,8 @@ impl Font {
     ) -> Result<Texture2d<'static>, SampleError> {
         let columns = self.columns.max(1);
         let cell = self.cell_texels(atlas);
-        let [first, body] = self.body_texels(atlas);
+        let [body_first, body] = self.texels_of(self.body, atlas);
+        let [first, shown] = self.texels_of(self.shown, atlas);
         let lines: Vec<&str> = words.lines().collect();
         let [width, height] = self.heights_size(words, atlas);
         let fits = self.is_valid() && u64::from(width) * u64::from(height) <= 1 << 28;
@@ -162,17 +163,23 @@ impl Font {
                     glyph % columns * cell[0] + first[0],
                     glyph / columns * cell[1] + first[1],
                 ];
-                let to = [
-                    column as u32 * body[0] + body[0] / 2,
-                    row as u32 * body[1] + body[1] / 2,
-                ];
-                for (x, y) in (0..body[1]).flat_map(|y| (0..body[0]).map(move |x| (x, y))) {
-                    let Some(texel) = atlas.texel(0, from[0] + x, from[1] + y) else {
+                // Of the first texel that is shown; it may lie before the picture.
+                let to = [column, row].map(|place| place as i64);
+                let to = [0, 1].map(|k| {
+                    let body_at = to[k] * i64::from(body[k]) + i64::from(body[k] / 2);
+                    body_at + i64::from(first[k]) - i64::from(body_first[k])
+                });
+                for (x, y) in (0..shown[1]).flat_map(|y| (0..shown[0]).map(move |x| (x, y))) {
+                    let (left, top) = (to[0] + i64::from(x), to[1] + i64::from(y));
+                    let inside = (0..i64::from(width)).contains(&left)
+                        && (0..i64::from(height)).contains(&top);
+                    let texel = atlas.texel(0, from[0] + x, from[1] + y);
+                    let Some(texel) = texel.filter(|_| inside) else {
                         continue;
                     };
                     let rise = texel[if atlas.has_alpha() { 3 } else { 0 }];
-                    texels[((to[1] + y) * width + to[0] + x) as usize] =
-                        texmap_math::color::unit_to_u8(rise);
+                    let to = &mut texels[top as usize * width as usize + left as usize];
+                    *to = texmap_math::color::unit_to_u8(rise).max(*to);
                 }
             }
         }
@@ -234,15 +241,30 @@ mod tests {
             body: [0.25, 0.25, 0.75, 0.75],
             ..Font::whole(2, 1, 65)
         };
-        let heights = font.heights("AB\n B", &atlas).unwrap();
-        assert_eq!((heights.width(), heights.height()), (6, 6));
-        let mut raised = Vec::new();
-        for (x, y) in (0..6).flat_map(|y| (0..6).map(move |x| (x, y))) {
-            if heights.texel(0, x, y).unwrap()[0] > 0.5 {
-                raised.push((x, y));
-            }
-        }
-        assert_eq!(raised, [(1, 1), (4, 1), (4, 2), (4, 3), (4, 4)]);
+        let raised = |font: &Font, words: &str, side: u32| -> Vec<(u32, u32)> {
+            let heights = font.heights(words, &atlas).unwrap();
+            assert_eq!((heights.width(), heights.height()), (side, side));
+            (0..side * side)
+                .map(|i| (i % side, i / side))
+                .filter(|&(x, y)| heights.texel(0, x, y).unwrap()[0] > 0.5)
+                .collect()
+        };
+        assert_eq!(
+            raised(&font, "AB\n B", 6),
+            [(1, 1), (4, 1), (4, 2), (4, 3), (4, 4)]
+        );
+        // The part of `B` above its body reaches into the margin.
+        let tall = Font {
+            body: [0.25, 0.5, 0.75, 1.0],
+            shown: [0.25, 0.25, 0.75, 1.0],
+            ..font
+        };
+        assert_eq!(raised(&tall, "B", 4), [(2, 0), (2, 1)]);
+        let cut = Font {
+            shown: tall.body,
+            ..tall
+        };
+        assert_eq!(raised(&cut, "B", 4), [(2, 1)]);
         let wide = "A".repeat(1 << 29);
         assert!(font.heights(&wide, &atlas).is_err());
         assert!(Font::whole(0, 1, 65).heights("A", &atlas).is_err());

@@ -1,8 +1,9 @@
-//! An RGBA8 picture with a bitmap font, from which strips, heat pictures and demos are assembled.
+//! An RGBA8 picture with the built-in typeface, from which strips, heat pictures and demos are assembled.
 //!
-//! Everything drawn is integer work, so a picture has the same bytes on every machine.
+//! Shapes are integer work and letters plain arithmetic, so a picture has the same bytes on every machine.
 
-use font8x8::UnicodeFonts;
+use texmap_math::color::{linear_to_srgb8, srgb8_to_linear, unit_to_u8};
+use texmap_mesh::{GlyphGrid, Typeface};
 use texmap_render::Frame;
 
 /// A colour as red, green, blue and alpha bytes.
@@ -159,26 +160,45 @@ impl Picture {
         self.line((right, y), (right, bottom), color);
     }
 
-    /// One line of text with its top left corner at (x, y): glyphs `8 * scale` wide and `16 * scale` high
-    /// (each row of the 8x8 font twice, which reads better at a small size). A character that the font lacks
-    /// is drawn as `?`.
+    /// One line of text with its top left corner at (x, y): the built-in typeface, characters `8 * scale` wide and `16 * scale` high, mixed
+    /// in linear light by the share of each pixel that they cover. A character that it lacks is drawn as `?`.
     pub fn text(&mut self, x: i64, y: i64, scale: u32, color: Rgba, text: &str) {
-        for (place, character) in text.chars().enumerate() {
-            let rows = glyph(character);
-            let left = x + place as i64 * i64::from(GLYPH * scale);
-            for (row, bits) in rows.into_iter().enumerate() {
-                for column in (0..8u32).filter(|column| bits & (1 << column) != 0) {
-                    let top = y + row as i64 * i64::from(2 * scale);
-                    self.fill(
-                        left + i64::from(column * scale),
-                        top,
-                        scale,
-                        2 * scale,
-                        color,
-                    );
+        let typeface = Typeface::built_in();
+        let step = GLYPH * scale.max(1);
+        // An accent above a capital reaches a quarter of a row beyond the top.
+        let over = scale.max(1);
+        let grid = GlyphGrid {
+            width: step,
+            height: 2 * step + over,
+            origin: [0.0, (over + 13 * scale.max(1)) as f32],
+            step: step as f32,
+        };
+        for (character, left) in text.chars().zip((x..).step_by(step as usize)) {
+            let cover = typeface.coverage(character, &grid);
+            for (row, y) in cover.chunks(step as usize).zip(y - i64::from(over)..) {
+                for (cover, x) in row.iter().zip(left..) {
+                    self.mix(x, y, color, *cover);
                 }
             }
         }
+    }
+
+    /// Lays a colour over the share `cover` of a pixel.
+    fn mix(&mut self, x: i64, y: i64, color: Rgba, cover: f32) {
+        let Some(at) = self.index(x, y).filter(|_| cover > 0.0) else {
+            return;
+        };
+        let pixel = &mut self.rgba[at..at + 4];
+        let front = cover * f32::from(color[3]) / 255.0;
+        let back = f32::from(pixel[3]) / 255.0 * (1.0 - front);
+        let alpha = front + back;
+        if alpha > 0.0 {
+            for (to, from) in pixel.iter_mut().zip(color).take(3) {
+                let [below, above] = [*to, from].map(srgb8_to_linear);
+                *to = linear_to_srgb8((above * front + below * back) / alpha);
+            }
+        }
+        pixel[3] = unit_to_u8(alpha);
     }
 
     fn index(&self, x: i64, y: i64) -> Option<usize> {
@@ -211,15 +231,6 @@ pub fn wrap(text: &str, columns: usize) -> Vec<String> {
     lines
 }
 
-fn glyph(character: char) -> [u8; 8] {
-    font8x8::BASIC_FONTS
-        .get(character)
-        .or_else(|| font8x8::LATIN_FONTS.get(character))
-        .or_else(|| font8x8::GREEK_FONTS.get(character))
-        .or_else(|| font8x8::BASIC_FONTS.get('?'))
-        .unwrap_or([0xff; 8])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -238,21 +249,49 @@ mod tests {
     }
 
     #[test]
-    fn text_has_the_glyphs_pixels_twice_as_high() {
-        let mut picture = Picture::new(8, 16, PAPER);
-        picture.text(0, 0, 1, INK, "I");
-        let rows = glyph('I');
-        for y in 0..16 {
-            for x in 0..8 {
-                let lit = rows[y as usize / 2] & (1 << x) != 0;
-                assert_eq!(picture.get(x, y), if lit { INK } else { PAPER });
-            }
+    fn text_is_as_bright_as_it_covers_and_stays_in_its_cells() {
+        let mut picture = Picture::new(30, 20, PAPER);
+        picture.text(2, 2, 1, INK, "I.");
+        let grid = GlyphGrid {
+            width: 8,
+            height: 16,
+            origin: [0.0, 13.0],
+            step: 8.0,
+        };
+        let cover = Typeface::built_in().coverage('I', &grid);
+        for (i, cover) in cover.iter().enumerate() {
+            let (x, y) = (i as i64 % 8, i as i64 / 8);
+            let shade = linear_to_srgb8(*cover);
+            assert_eq!(picture.get(2 + x, 2 + y), [shade, shade, shade, 255]);
         }
-        assert_eq!(
-            glyph('\u{1F600}'),
-            glyph('?'),
-            "a character that the font lacks"
-        );
+        let ink = |columns: std::ops::Range<i64>| {
+            columns
+                .flat_map(|x| (0..20).map(move |y| (x, y)))
+                .filter(|&(x, y)| picture.get(x, y) != PAPER)
+                .count()
+        };
+        assert!(ink(2..10) > 10 && ink(10..18) > 1);
+        assert_eq!(ink(0..2) + ink(18..30), 0);
+        // A character that the typeface lacks.
+        let drawn = |text: &str| {
+            let mut picture = Picture::new(8, 16, PAPER);
+            picture.text(0, 0, 1, INK, text);
+            picture
+        };
+        assert_eq!(drawn("\u{1F600}"), drawn("?"));
+        assert_ne!(drawn("\u{1F600}"), drawn("!"));
+        // Beyond the border nothing is written.
+        Picture::new(3, 3, PAPER).text(-4, -9, 2, INK, "W");
+    }
+
+    /// On a clear ground letters have their own colour, and their coverage is the alpha.
+    #[test]
+    fn text_on_a_clear_ground_keeps_its_colour() {
+        let mut picture = Picture::new(8, 16, [0; 4]);
+        picture.text(0, 0, 1, [200, 40, 10, 255], "A");
+        let inked: Vec<&[u8]> = picture.rgba().chunks(4).filter(|p| p[3] > 0).collect();
+        assert!(inked.iter().all(|p| p[..3] == [200, 40, 10]));
+        assert!(inked.iter().any(|p| p[3] < 255) && inked.len() > 10);
     }
 
     #[test]

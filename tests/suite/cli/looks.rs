@@ -1,7 +1,7 @@
 //! `texmap render`: looks in place of the input's own, stand-ins, and formats of files.
 
 use std::io::Write;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use texmap_sample::ColorSpace;
 
@@ -203,23 +203,95 @@ fn inputs_come_from_lists_and_from_standard_input_and_names_have_folders() {
         .ok();
     assert!(desk.path("new/deep/k.png").is_file());
     desk.refused("render @gone.txt -o x/", 4, "gone.txt");
+    let output = piped(
+        &desk,
+        "render - --resolution 16x12 -o -",
+        &desk.read("sub/k.obj"),
+    );
+    assert!(output.status.success());
+    assert_eq!(output.stdout, desk.read("new/deep/k.png"));
+}
+
+/// Runs the program with bytes on its standard input.
+fn piped(desk: &Desk, arguments: &str, bytes: &[u8]) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_texmap-tested"))
-        .args(["render", "-", "--resolution", "16x12", "-o", "-"])
+        .args(arguments.split(' '))
         .current_dir(desk.path(""))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    child
-        .stdin
-        .take()
-        .unwrap()
-        .write_all(&desk.read("sub/k.obj"))
+    child.stdin.take().unwrap().write_all(bytes).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+/// A model on standard input has the materials and maps of `--root`, and without it says where they would be looked for.
+#[test]
+fn a_piped_model_finds_its_files_under_the_root() {
+    let desk = Desk::new();
+    std::fs::create_dir_all(desk.path("m/maps")).unwrap();
+    desk.put("m/a.obj", "mtllib maps/a.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/3\n");
+    desk.put("m/maps/a.mtl", "newmtl a\nmap_Kd a.png\n");
+    image::RgbaImage::from_pixel(2, 2, image::Rgba([250, 20, 20, 255]))
+        .save(desk.path("m/maps/a.png"))
         .unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert!(output.status.success());
-    assert_eq!(output.stdout, desk.read("new/deep/k.png"));
+    let drawn = "--resolution 16x12 --view front -o";
+    desk.texmap(&format!("render m/a.obj {drawn} a.png")).ok();
+    let model = desk.read("m/a.obj");
+    let rooted = piped(&desk, &format!("render - --root m {drawn} -"), &model);
+    let words = String::from_utf8_lossy(&rooted.stderr).into_owned();
+    assert!(!words.contains("warning"), "{words}");
+    assert_eq!(rooted.stdout, desk.read("a.png"));
+    let bare = piped(&desk, &format!("render - {drawn} -"), &model);
+    assert!(bare.status.success());
+    let words = String::from_utf8_lossy(&bare.stderr).into_owned();
+    assert_eq!(words.matches("--root DIR").count(), 1, "{words}");
+    assert_ne!(bare.stdout, rooted.stdout);
+    // A root without them is not told of itself, and nothing outside of it is read.
+    let other = piped(&desk, &format!("render - --root . {drawn} -"), &model);
+    let words = String::from_utf8_lossy(&other.stderr).into_owned();
+    assert!(
+        words.contains("no such file") && !words.contains("--root"),
+        "{words}"
+    );
+    let scene = b"eye 0 0 5\nlook 0 0 0\nobj m/a.obj\n";
+    let refused = piped(&desk, &format!("render - {drawn} -"), scene);
+    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(4));
+    assert!(words.contains("m/a.obj: no such file"), "{words}");
+    assert!(words.contains("--root DIR"), "{words}");
+}
+
+#[test]
+fn demos_and_heat_pictures_are_of_any_format() {
+    let desk = Desk::new();
+    let other = image::RgbaImage::from_pixel(8, 8, image::Rgba([90, 20, 20, 255]));
+    other.save(desk.path("a.png")).unwrap();
+    let other = image::RgbaImage::from_fn(8, 8, |x, y| image::Rgba([90, (x * y) as u8, 20, 255]));
+    other.save(desk.path("b.png")).unwrap();
+    for ending in ["png", "jpg", "webp", "hdr", "exr"] {
+        let found = desk.texmap(&format!("diff a.png b.png --heat heat.{ending}"));
+        assert_eq!(found.code, 1, "{}", found.stderr);
+    }
+    let heat = desk.picture("heat.png");
+    assert_eq!(
+        image::open(desk.path("heat.webp")).unwrap().to_rgba8(),
+        heat
+    );
+    let light = image::open(desk.path("heat.exr")).unwrap().to_rgb32f();
+    for (light, code) in light.pixels().zip(heat.pixels()) {
+        for k in 0..3 {
+            let wanted = texmap_math::color::srgb8_to_linear(code[k]);
+            assert!((light[k] - wanted).abs() < 1e-6, "{light:?} {code:?}");
+        }
+    }
+    desk.texmap("demo affine-checker -o d.webp").ok();
+    desk.texmap("demo affine-checker -o d.png").ok();
+    assert_eq!(
+        image::open(desk.path("d.webp")).unwrap().to_rgba8(),
+        desk.picture("d.png")
+    );
 }
 
 #[test]

@@ -469,8 +469,11 @@ fn endings_that_no_verb_writes_are_refused() {
             ".png, .jpg, .webp, .hdr or .exr",
         ),
         ("render room.scene -o", ".png, .jpg, .webp, .hdr or .exr"),
-        ("demo affine-checker -o", ".png"),
-        ("diff photo.png photo.png --heat", ".png"),
+        ("demo affine-checker -o", ".png, .jpg, .webp, .hdr or .exr"),
+        (
+            "diff photo.png photo.png --heat",
+            ".png, .jpg, .webp, .hdr or .exr",
+        ),
         ("sample photo.png --uv uv.csv -o", ".npy"),
         ("uv m.obj --map plane -o", ".obj"),
         ("uv m.obj --tangents", ".npy"),
@@ -491,8 +494,8 @@ fn endings_that_no_verb_writes_are_refused() {
         ".png, .jpg, .webp, .hdr or .exr",
     );
     desk.refused(
-        "demo light-maps --frames 2 -o x%d.jpg",
+        "demo light-maps --frames 2 -o x%d.bmp",
         2,
-        "end the name with .png",
+        ".png, .jpg, .webp, .hdr or .exr",
     );
 }

@@ -324,6 +324,30 @@ fn camera_paths() {
 }
 
 #[test]
+fn camera_lists() {
+    let words = [
+        "1e309",
+        "1e308",
+        "-0",
+        "null",
+        "[",
+        "]",
+        "{}",
+        ",",
+        "\"fov\":180",
+        "\"eye\":[0,0,0]",
+        "\"look\":[1e308,0,0]",
+        "\"axes\":\"opencv\"",
+        "\"orthographic_width\":-1",
+        "\"width\":0",
+        "\\u0000",
+        "\n",
+        "true",
+    ];
+    smoke("cameras", &words, 4000, targets::cameras);
+}
+
+#[test]
 fn plans() {
     let words = [
         "nan",

@@ -263,11 +263,11 @@ fn bumps_of_offsets_formulas_and_words() {
     else {
         panic!("{:?}", detail(2))
     };
-    // Six characters and a margin of half of one, eight dots each.
+    // Six characters and a margin of half of one, 24 x 40 texels each.
     let words = &scene.textures[slot.texture];
-    assert_eq!((words.width(), words.height()), (56, 16));
-    let ink = (0..56 * 16).filter(|i| words.texel(0, i % 56, i / 56).unwrap()[0] == 1.0);
-    assert!((60..300).contains(&ink.count()));
+    assert_eq!((words.width(), words.height()), (168, 80));
+    let ink = (0..168 * 80).filter(|i| words.texel(0, i % 168, i / 168).unwrap()[0] > 0.5);
+    assert!((400..2000).contains(&ink.count()));
     assert!(detail(3).is_none());
     render(
         &scene,

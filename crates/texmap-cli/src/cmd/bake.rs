@@ -63,7 +63,7 @@ const OBJECT: &str = "{object}";
 pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     one_stdout(args.json, &args.output)?;
     distinct([&args.output], [&args.scene])?;
-    let format = formats::picture(&args.output)?;
+    let format = formats::picture("-o", &args.output)?;
     let files = args.root.files()?;
     let options = LoadOptions {
         files: files.clone(),

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use texmap_io::PictureFormat;
 use texmap_lab::demos::{self, Claim, MovingSpot};
 
 use crate::cmd::render::plan::numbered;
 use crate::failure::{self, Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage};
+use crate::picture;
 
 /// Draw a captioned side-by-side picture and check the numbers it claims.
 #[derive(Args, Debug)]
@@ -18,7 +20,7 @@ pub(crate) struct DemoArgs {
     /// Name of the demo; --list prints all names
     #[arg(required_unless_present = "list")]
     name: Option<String>,
-    /// The PNG to write; `-` is standard output
+    /// The picture to write: the ending says its format; `-` is a PNG on standard output
     #[arg(short, long, value_name = "OUT", required_unless_present = "list")]
     output: Option<PathBuf>,
     /// Write the demo as so many numbered pictures, each checked: `-o spot%02d.png` (light-maps has frames)
@@ -85,27 +87,24 @@ pub(crate) fn run(args: &DemoArgs) -> Result<Exit, Failure> {
             format!("choose from {}", known.join(", ")),
         ));
     }
-    formats::png("-o", output)?;
+    let format = formats::picture("-o", output)?;
     if let Some(count) = args.frames {
-        return frames(args, name, output, count);
+        return frames(args, name, output, count, format);
     }
     let destination = Destination::new(output)?;
     let mut stage = Stage::new(&destination)?;
     let demo = demos::demo(name, demos::DEFAULT_SIZE).map_err(Failure::from)?;
-    let picture = &demo.image;
-    texmap_io::image_io::write_png(
-        &stage.add(destination, "png"),
-        picture.width(),
-        picture.height(),
-        picture.rgba(),
-    )?;
+    let image = &demo.image;
+    let file = stage.add(destination, format.ending());
+    let lost = picture::write(&file, format, image)?;
     stage.commit()?;
+    formats::warn(output, format, lost);
     let exit = tell(args, name, output, &demo.captions, &demo.claims)?;
     say(&format!(
         "{}: {} x {} pixels\n",
         output.display(),
-        picture.width(),
-        picture.height(),
+        image.width(),
+        image.height(),
     ));
     Ok(exit)
 }
@@ -139,7 +138,13 @@ fn tell(
 }
 
 /// A demo that moves: numbered pictures, all or none.
-fn frames(args: &DemoArgs, name: &str, output: &Path, count: u32) -> Result<Exit, Failure> {
+fn frames(
+    args: &DemoArgs,
+    name: &str,
+    output: &Path,
+    count: u32,
+    format: PictureFormat,
+) -> Result<Exit, Failure> {
     if name != "light-maps" {
         return Err(Failure::usage(
             format!("the demo `{name}` has no frames"),
@@ -162,10 +167,9 @@ fn frames(args: &DemoArgs, name: &str, output: &Path, count: u32) -> Result<Exit
     let round = MovingSpot::new(demos::DEFAULT_SIZE).map_err(internal)?;
     let mut claims = Vec::new();
     for (number, place) in (0..count).zip(places) {
-        let (picture, claim) = round.frame(number, count).map_err(internal)?;
-        let (width, height) = (picture.width(), picture.height());
-        let path = stage.add(place, "png");
-        texmap_io::image_io::write_png(&path, width, height, picture.rgba())?;
+        let (image, claim) = round.frame(number, count).map_err(internal)?;
+        let path = stage.add(place, format.ending());
+        picture::write(&path, format, &image)?;
         claims.push(claim);
     }
     stage.commit()?;

@@ -7,9 +7,11 @@ use serde::Serialize;
 use texmap_truth::buffer::{Buffer, Comparison, Meaning};
 use texmap_truth::metrics::{Metrics, Place, Shape};
 
+use crate::digits::digits;
 use crate::failure::{self, Exit, Failure};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
+use crate::picture;
 
 /// Compare two images or .npy arrays: figures, PASS or FAIL.
 ///
@@ -32,7 +34,7 @@ pub(crate) struct DiffArgs {
     /// Fail when the root of the mean squared difference is more
     #[arg(long, value_name = "X", value_parser = limit)]
     fail_rms: Option<f64>,
-    /// Write the differences as a heat picture (PNG), white at the largest
+    /// Write the differences as a heat picture, white at the largest; the ending says the format
     #[arg(long, value_name = "OUT")]
     heat: Option<PathBuf>,
     /// Print the figures as JSON to standard output
@@ -59,6 +61,9 @@ struct Report {
     limit: Option<f64>,
     /// Absent for arrays, and where both images are opaque.
     alpha: Option<Figures>,
+    /// About the heat picture.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -115,9 +120,11 @@ fn limit(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
-    if let Some(path) = &args.heat {
-        formats::png("--heat", path)?;
-    }
+    let format = args
+        .heat
+        .as_deref()
+        .map(|path| formats::picture("--heat", path))
+        .transpose()?;
     distinct(&args.heat, [&args.expected, &args.actual])?;
     let heat = args.heat.as_deref().map(Destination::new).transpose()?;
     if args.json && heat == Some(Destination::Stdout) {
@@ -145,7 +152,8 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     let parts = || [Some(found.values), found.alpha].into_iter().flatten();
     let rms_fits = |part: Metrics| args.fail_rms.is_none_or(|most| part.rmse <= most);
     let pass = found.passes() && parts().all(rms_fits);
-    if let Some(destination) = heat {
+    let mut warnings = Vec::new();
+    if let Some((destination, format)) = heat.zip(format) {
         texmap_math::MemoryBudget::of_process().ask(
             (expected.shape.width as u64)
                 .saturating_mul(expected.shape.height as u64)
@@ -167,9 +175,12 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
             )
         })?;
         let mut stage = Stage::new(&destination)?;
-        let file = stage.add(destination, "png");
-        texmap_io::image_io::write_png(&file, picture.width(), picture.height(), picture.rgba())?;
+        let file = stage.add(destination, format.ending());
+        let lost = picture::write(&file, format, &picture)?;
         stage.commit()?;
+        if let Some(path) = &args.heat {
+            warnings = formats::warn(path, format, lost);
+        }
     }
     let psnr = found.values.psnr(expected.peak.max(actual.peak));
     if args.json {
@@ -185,6 +196,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<Exit, Failure> {
             ssim: found.ssim,
             limit: limit.is_finite().then_some(limit),
             alpha: found.alpha.as_ref().map(Figures::from),
+            warnings,
         })?;
     } else {
         failure::print(&words(&expected, &actual, &found, psnr, limit, pass))?;
@@ -293,47 +305,4 @@ fn words(
         }
     }
     text + if pass { "PASS\n" } else { "FAIL\n" }
-}
-
-/// A number with six significant digits, without zeros at its end.
-fn digits(x: f64) -> String {
-    let scientific = format!("{x:.5e}");
-    let Some((mantissa, exponent)) = scientific.split_once('e') else {
-        return x.to_string();
-    };
-    let trimmed = |text: &str| match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text.to_owned(),
-    };
-    match exponent.parse::<i32>() {
-        Ok(exponent @ -5..=14) => {
-            let places = usize::try_from(5 - exponent).unwrap_or(0);
-            trimmed(&format!("{x:.places$}"))
-        }
-        _ => format!("{}e{exponent}", trimmed(mantissa)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn six_digits_are_significant() {
-        for (x, text) in [
-            (0.0, "0"),
-            (197.0, "197"),
-            (1.0 / 3.0, "0.333333"),
-            (0.000_447_213_595_5, "0.000447214"),
-            (-2.0 / 3e7, "-6.66667e-8"),
-            (123_456.7, "123457"),
-            (1_234_567.8, "1234568"),
-            (9.999_999_9, "10"),
-            (1.5e30, "1.5e30"),
-            (f64::INFINITY, "inf"),
-            (f64::NAN, "NaN"),
-        ] {
-            assert_eq!(digits(x), text);
-        }
-    }
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use texmap_io::{FileInfo, LoadOptions, MeshInfo, NamedFile, shown};
 
 use crate::cmd::Root;
+use crate::digits::digits;
 use crate::failure::{self, Exit, Failure, say_always};
 
 /// Show meshes, materials, cameras, animations, maps, uv ranges and missing files of a scene, model or image.
@@ -59,7 +60,11 @@ fn words(info: &FileInfo) -> String {
     if let Some(([x, y, z], radius)) = info.sphere {
         let _ = writeln!(
             text,
-            "sphere of radius {radius:.6} around {x:.6} {y:.6} {z:.6}"
+            "sphere of radius {} around {} {} {}",
+            digits(radius),
+            digits(x),
+            digits(y),
+            digits(z)
         );
     }
     if info.t_joints > 0 {
@@ -122,7 +127,8 @@ fn choices(info: &FileInfo) -> String {
         let name = named(i, &animation.name);
         format!(
             "animation {name}: {} s, {} channels",
-            animation.seconds, animation.channels
+            digits(animation.seconds),
+            animation.channels
         )
     }));
     let lines = lines.chain(info.extensions.iter().map(|extension| {
@@ -150,7 +156,10 @@ fn mesh_row(mesh: &MeshInfo) -> [String; 7] {
     let range = |axis: usize| {
         mesh.uv.map_or_else(
             || "-".to_owned(),
-            |[low, high]| format!("{}..{}", low[axis], high[axis]),
+            |[low, high]| {
+                let [low, high] = [low, high].map(|end| digits(f64::from(end[axis])));
+                format!("{low}..{high}")
+            },
         )
     };
     [

@@ -47,7 +47,7 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
         })
     };
     let first = name(0)?;
-    let format = formats::picture(&args.output)?;
+    let format = formats::picture("-o", &args.output)?;
     let space = match args.color {
         ColorMode::Srgb => ColorSpace::Srgb,
         ColorMode::Raw => ColorSpace::Linear,

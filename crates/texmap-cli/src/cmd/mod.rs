@@ -1,6 +1,6 @@
 //! The verbs, one module each: arguments and action.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use texmap_io::FileSource;
@@ -28,12 +28,17 @@ pub(crate) mod written;
 /// Folder that a verb which loads scenes is confined to.
 #[derive(Args, Debug)]
 pub(crate) struct Root {
-    /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers
+    /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers. A model on standard input finds its
+    /// files here
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
 }
 
 impl Root {
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.root.as_deref()
+    }
+
     /// Records what is read, for [`distinct`](crate::output::distinct): outputs must be none of it.
     pub(crate) fn files(&self) -> Result<FileSource, Failure> {
         let within = |folder: &PathBuf| FileSource::within(folder);

@@ -91,7 +91,7 @@ pub(crate) fn run(args: &SliceArgs) -> Result<Exit, Failure> {
         ramp.into_iter().chain([args.volume.as_ref()]),
     )?;
     let destination = Destination::new(&args.output)?;
-    let format = formats::picture(&args.output)?;
+    let format = formats::picture("-o", &args.output)?;
     let ramp = match &args.ramp {
         None => None,
         Some(path) => {

@@ -137,7 +137,7 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
     one_stdout(args.json, &args.output)?;
     distinct([&args.output], [&args.image])?;
     let main = Destination::new(&args.output)?;
-    let format = formats::picture(&args.output)?;
+    let format = formats::picture("-o", &args.output)?;
     let space = match args.color {
         ColorMode::Srgb => ColorSpace::Srgb,
         ColorMode::Raw => ColorSpace::Linear,

@@ -63,9 +63,8 @@ impl Textures {
         missing: Missing,
     ) -> Result<(Texture2d<'static>, u32), IoError> {
         let MapSource { path, location } = map;
-        let same = |p: &std::path::Path, c: Content| p == path && c == Content::Data;
-        let known = self.loaded.iter().find(|(p, c, _)| same(p, *c));
-        if let Some((_, _, index)) = known {
+        let known = self.loaded.get(&(path.clone(), Content::Data));
+        if let Some(index) = known {
             let file = self.files.iter().find(|file| file.path == *path);
             let bits = file.and_then(|file| file.found.as_ref().ok());
             let bits = bits.map_or(8, |(_, _, bits)| *bits);

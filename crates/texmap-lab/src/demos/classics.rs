@@ -285,15 +285,15 @@ pub(super) fn labels(size: u32) -> Result<DemoPicture, LabError> {
     let heat = heat_field(size)?;
     let claims = claims![
         "magnified letters, coverage of the outline: RMSE to 16 x 16 samples, /255" => a, 0.0, 4.0;
-        "filtered alpha blended as it is: RMSE, /255" => b, 30.0, 15.0;
-        "nearest texels: RMSE, /255" => c, 25.0, 15.0;
+        "filtered alpha blended as it is: RMSE, /255" => b, 15.0, 8.0;
+        "nearest texels: RMSE, /255" => c, 15.0, 8.0;
         "pixels of the label that are not alpha label + (1 - alpha) base" =>
             off.into(), 0.0, 0.001 * f64::from(inside);
         "tones of the ball under a ramp of 4, with the sky" => tones.len() as f64, 5.0, 0.0;
     ];
     let panels = panels![
         crisp =>
-            "Letters by coverage", "A font of 8 x 8 dots: the outline where alpha is a half, one pixel soft.";
+            "Letters by coverage", "The outline of a font where its alpha is a half, one pixel soft.";
         soft => "Filtered alpha", "The same look-up blended as it is: blurred by the magnification.";
         decal => "A decal over base", "The label's alpha over the bricks, then both under the light.";
         stage::picture(&cel, size, 3)? =>

@@ -146,7 +146,7 @@ pub(super) fn words(mut scene: Scene, size: u32) -> Result<Shown, LabError> {
         inside
             && map
                 .texel(0, x as u32, y as u32)
-                .is_some_and(|texel| texel[0] > 0.5)
+                .is_some_and(|texel| texel[0] > 0.0)
     };
     scene.textures.push(map.clone());
     let mut words = stage::slot(scene.textures.len() - 1, Filter::Trilinear, Wrap::Repeat);

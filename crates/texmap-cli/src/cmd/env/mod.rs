@@ -90,7 +90,7 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
     }
     distinct([&args.output], [&args.image])?;
     let format = match args.prefilter {
-        None => formats::picture(&args.output)?,
+        None => formats::picture("-o", &args.output)?,
         Some(_) => match formats::ending("-o", &args.output, &["exr", "hdr"])? {
             "hdr" => PictureFormat::Hdr,
             _ => PictureFormat::Exr,

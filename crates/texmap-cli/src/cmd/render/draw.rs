@@ -47,11 +47,12 @@ pub(crate) fn item(
     let scene_file = is_scene(file);
     // What this input names, and not what all others do.
     let files = &files.clone().recording();
-    let options = options(args, item, file, files)?;
+    let options = options(args, file, files);
     let measured = args.verify || args.budget().is_some();
     let kept = scene_file || measured;
     args.light.prepare(kept, args.color);
-    let mut scene = load(file, &item.input, &options)?;
+    let rootless = file != item.input && args.root.folder().is_none();
+    let mut scene = load(file, rootless, &options)?;
     if let Some(Background::Color(color)) = args.background {
         scene.background = color;
     }
@@ -128,36 +129,26 @@ pub(crate) fn item(
 }
 
 /// The options that an input is loaded with.
-fn options(
-    args: &RenderArgs,
-    item: &Item,
-    file: &Path,
-    files: &FileSource,
-) -> Result<LoadOptions, Failure> {
+fn options(args: &RenderArgs, file: &Path, files: &FileSource) -> LoadOptions {
     let size = args.resolution;
     let checker = (!is_scene(file)).then_some(Missing::Checker);
-    Ok(LoadOptions {
+    LoadOptions {
         aspect: f64::from(size.width) / f64::from(size.height),
         framing: args.camera.framing(file),
         missing: args.look.missing.or(checker),
         color: args.color,
-        // Standard input names no files of this machine.
-        files: match file == item.input {
-            true => files.clone(),
-            false => FileSource::within(file.parent().unwrap_or(Path::new(".")))?,
-        },
+        files: files.clone(),
         camera: args.camera.named.clone(),
         time: args.time,
         animation: args.animation.clone(),
-    })
+    }
 }
 
 /// Refuses pictures of one input that others are made of, before the first is written. An input that cannot be loaded is
 /// not drawn either, and says so later.
 pub(super) fn keep_apart(
     args: &RenderArgs,
-    items: &[(&Item, &Path)],
-    files: &FileSource,
+    items: &[(&Item, (&Path, &FileSource))],
 ) -> Result<(), Failure> {
     let mut outputs = Vec::new();
     for (item, _) in items {
@@ -168,11 +159,13 @@ pub(super) fn keep_apart(
     if items.len() < 2 || outputs.is_empty() {
         return Ok(());
     }
-    let files = &files.clone().recording();
-    for (item, file) in items {
-        let _ = load(file, &item.input, &options(args, item, file, files)?);
+    let mut read = Vec::new();
+    for (_, (file, files)) in items {
+        let files = (*files).clone().recording();
+        let _ = load(file, false, &options(args, file, &files));
+        read.extend(files.recorded());
     }
-    distinct(outputs, files.recorded())
+    distinct(outputs, read)
 }
 
 /// Adds the shadow on the ground. The cameras are set: they frame the model alone.
@@ -186,24 +179,22 @@ fn ground(scene: &mut Scene, up: Up) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Loads a file. Standard input is named as such in warnings and errors.
-fn load(file: &Path, input: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
-    let folder = file.parent().filter(|_| file != input);
-    let folder = folder.map(|folder| format!("{}/", folder.display()));
-    let told = |text: &str| match &folder {
-        Some(folder) => text.replace(folder.as_str(), ""),
-        None => text.to_owned(),
-    };
+/// Loads a file. If one from standard input names others, and no folder for them is given, a warning or the error says how to give it.
+fn load(file: &Path, rootless: bool, options: &LoadOptions) -> Result<Scene, Failure> {
+    let hint = "standard input has no folder; the files that it names are looked for in that of --root DIR";
     let mut scene = texmap_io::load(file, options).map_err(|error| {
         let failure = Failure::from(error);
-        Failure {
-            what: told(&failure.what),
-            why: told(&failure.why),
-            ..failure
+        match rootless && failure.code == "file-missing" {
+            true => Failure {
+                why: hint.into(),
+                ..failure
+            },
+            false => failure,
         }
     })?;
-    for warning in &mut scene.warnings {
-        *warning = told(warning);
+    let lost = |warning: &String| warning.contains("no such file");
+    if rootless && scene.warnings.iter().any(lost) {
+        scene.warnings.push(hint.into());
     }
     Ok(scene)
 }

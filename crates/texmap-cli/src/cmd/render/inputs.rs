@@ -7,7 +7,6 @@ use texmap_io::FileSource;
 
 use crate::failure::{Exit, Failure};
 use crate::os_name;
-use crate::output::Folder;
 
 /// A model from standard input is refused above this size: 2 GiB, as files are.
 const MAX_STDIN: u64 = 1 << 31;
@@ -17,13 +16,18 @@ const MAX_STDIN: u64 = 1 << 31;
 pub(crate) struct Inputs {
     /// As they are named in reports; `-` for standard input.
     pub(crate) names: Vec<PathBuf>,
-    stdin: Option<(Folder, PathBuf)>,
+    /// Where its model stands, and the files that it may name.
+    stdin: Option<(PathBuf, FileSource)>,
 }
 
 impl Inputs {
     /// Replaces every `@list` by the files that its lines name, beside the list, and reads standard input for `-`. Empty lines and those
-    /// that begin with `#` are skipped.
-    pub(crate) fn read(given: &[PathBuf], files: &FileSource) -> Result<Self, Failure> {
+    /// that begin with `#` are skipped. What standard input names is looked for in `root`.
+    pub(crate) fn read(
+        given: &[PathBuf],
+        files: &FileSource,
+        root: Option<&Path>,
+    ) -> Result<Self, Failure> {
         let mut names = Vec::new();
         for input in given {
             let bytes = os_name::bytes(input.as_os_str());
@@ -42,15 +46,33 @@ impl Inputs {
                 "standard input is one model",
             ));
         }
-        let stdin = (dashes == 1).then(from_stdin).transpose()?;
+        let stdin = match dashes {
+            0 => None,
+            _ => {
+                let bytes = from_stdin()?;
+                let name = PathBuf::from(format!("stdin.{}", ending(&bytes)));
+                Some(match root {
+                    Some(folder) => {
+                        let file = folder.join(name);
+                        (file.clone(), files.clone().with_file(file, bytes))
+                    }
+                    // Standard input names no files of this machine.
+                    None => (name.clone(), FileSource::in_memory([(name, bytes)])),
+                })
+            }
+        };
         Ok(Self { names, stdin })
     }
 
-    /// The file that an input is read from.
-    pub(crate) fn file<'a>(&'a self, name: &'a Path) -> &'a Path {
+    /// The file that an input is read from, and those beside it; `files` but for standard input.
+    pub(crate) fn file<'a>(
+        &'a self,
+        name: &'a Path,
+        files: &'a FileSource,
+    ) -> (&'a Path, &'a FileSource) {
         match &self.stdin {
-            Some((_, file)) if name.as_os_str() == "-" => file,
-            _ => name,
+            Some((file, files)) if name.as_os_str() == "-" => (file, files),
+            _ => (name, files),
         }
     }
 }
@@ -74,8 +96,8 @@ fn listed(list: &Path, files: &FileSource) -> Result<Vec<PathBuf>, Failure> {
     }
 }
 
-/// Standard input as a file with the ending of its format.
-fn from_stdin() -> Result<(Folder, PathBuf), Failure> {
+/// The bytes of standard input.
+fn from_stdin() -> Result<Vec<u8>, Failure> {
     let refused = |e: io::Error| {
         Failure::new(
             Exit::Input,
@@ -93,10 +115,7 @@ fn from_stdin() -> Result<(Folder, PathBuf), Failure> {
     if bytes.len() as u64 > MAX_STDIN {
         return Err(refused(io::Error::other("it has more than 2 GiB")));
     }
-    let folder = Folder::new(&std::env::temp_dir()).map_err(refused)?;
-    let file = folder.path().join(format!("stdin.{}", ending(&bytes)));
-    std::fs::write(&file, &bytes).map_err(refused)?;
-    Ok((folder, file))
+    Ok(bytes)
 }
 
 /// The name ending of files with these contents.

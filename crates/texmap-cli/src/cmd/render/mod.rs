@@ -150,7 +150,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let level = args.level.level()?;
     let files = args.root.files()?;
     let cameras = args.camera.list(&files)?;
-    let inputs = Inputs::read(&args.inputs, &files)?;
+    let inputs = Inputs::read(&args.inputs, &files, args.root.folder())?;
     let names = args.camera.names(&cameras);
     let items = plan::items(args, &inputs.names, &files.recorded(), names.as_deref())?;
     let cameras = args.camera.walk(&files, cameras)?;
@@ -158,11 +158,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let mut failures = Vec::new();
     let sources: Vec<_> = items
         .iter()
-        .map(|item| (item, inputs.file(&item.input)))
+        .map(|item| (item, inputs.file(&item.input, &files)))
         .collect();
-    draw::keep_apart(args, &sources, &files)?;
-    for (item, file) in sources {
-        match draw::item(args, item, file, level, &cameras, &files) {
+    draw::keep_apart(args, &sources)?;
+    for (item, (file, files)) in sources {
+        match draw::item(args, item, file, level, &cameras, files) {
             Ok(done) => reports.extend(done),
             // Alone, a bad input is the whole answer; among others it is one line of the report.
             Err(failure) if items.len() == 1 => return Err(failure),

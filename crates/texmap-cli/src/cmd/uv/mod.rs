@@ -18,6 +18,7 @@ use texmap_uv::{
 };
 
 use self::source::Source;
+use crate::digits::digits;
 use crate::failure::{Exit, Failure, print, print_json, say};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
@@ -202,8 +203,8 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     if lost.fraction > 0.01 {
         let line = lost.face.map_or(0, |f| source.obj.line(f as usize));
         say(&format!(
-            "warning: {:.1} % of the surface has no area in the picture ({} triangles, the first in line {line}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
-            100.0 * lost.fraction,
+            "warning: {} % of the surface has no area in the picture ({} triangles, the first in line {line}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
+            digits(100.0 * lost.fraction),
             lost.triangles,
         ));
     }

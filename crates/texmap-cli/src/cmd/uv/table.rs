@@ -6,6 +6,8 @@ use std::path::Path;
 use serde_json::{Value, json};
 use texmap_uv::Report;
 
+use crate::digits::digits;
+
 pub(super) fn text(path: &Path, r: &Report) -> String {
     let mut out = format!(
         "{}: {} faces, {} triangles\n",
@@ -56,27 +58,33 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
         ("outside [0, 1]", r.outside),
         ("torn (du > 0.5)", r.wide),
     ] {
-        row(name, format!("{count} triangles ({:.1} %)", share(count)));
+        row(
+            name,
+            format!("{count} triangles ({} %)", figure(share(count))),
+        );
     }
     let least = if r.overlap_at_least { "at least " } else { "" };
     row(
         "overlapping",
         format!(
-            "{least}{} triangles ({:.1} %), {} pairs, area {}",
+            "{least}{} triangles ({} %), {} pairs, area {}",
             r.overlapping,
-            share(r.overlapping),
+            figure(share(r.overlapping)),
             r.overlap_pairs,
             figure(r.overlap_area)
         ),
     );
-    row("picture used", format!("{:.1} %", 100.0 * r.picture_area));
+    row(
+        "picture used",
+        format!("{} %", figure(100.0 * r.picture_area)),
+    );
     row("islands", r.islands.to_string());
     row(
         "seams",
         format!(
-            "length {}, {:.0} % of it seen from 14 sides",
+            "length {}, {} % of it seen from 14 sides",
             figure(r.seam_length),
-            100.0 * r.seam_seen
+            figure(100.0 * r.seam_seen)
         ),
     );
     row("rim", format!("length {}", figure(r.rim_length)));
@@ -103,21 +111,13 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
     out
 }
 
-/// Four significant digits.
+/// Six significant digits; `-` for a figure that there is not.
 fn figure(x: f64) -> String {
-    if !x.is_finite() {
-        return if x.is_nan() {
-            "-".into()
-        } else {
-            "infinite".into()
-        };
+    match x {
+        _ if x.is_nan() => "-".into(),
+        _ if x.is_infinite() => "infinite".into(),
+        _ => digits(x),
     }
-    let digits = if x == 0.0 {
-        0
-    } else {
-        (3 - x.abs().log10().floor() as i32).clamp(0, 9)
-    };
-    format!("{x:.*}", digits as usize)
 }
 
 /// JSON knows no infinity: such a figure is null.

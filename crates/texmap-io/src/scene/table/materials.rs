@@ -81,7 +81,7 @@ pub(super) const SPECS: &[Spec] = &[
             &[OneOf(&["none"])],
         ])],
         default: "built in",
-        help: "setting: an atlas of equal cells, one character each, from code point `first` on; its alpha is the letter",
+        help: "setting: an atlas of equal cells, one character each, from code point `first` on; its alpha is the letter; built in is JetBrains Mono with ASCII and Latin-1",
         set: Fallible(labels::font),
     },
     Spec {
@@ -93,7 +93,7 @@ pub(super) const SPECS: &[Spec] = &[
             Numbers("ux uy uz", direction),
         ],
         default: "",
-        help: "writes words: x y z is the lower left corner of the first character, r its step to the next, u its height",
+        help: "writes words: x y z is the lower left corner of the first character, r its step to the next, u its height; built-in letters are upright and as wide as drawn where r is 0.6 of u",
         set: Fallible(labels::text),
     },
     Spec {

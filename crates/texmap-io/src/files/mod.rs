@@ -1,16 +1,19 @@
 //! Files to read are opened here and nowhere else: only regular files, never more bytes than a limit allows, and within a
 //! root, where one is set, nothing outside of it.
 
+mod root;
+mod whole;
+
 use std::collections::BTreeSet;
 use std::fmt;
 use std::fs::{self, File};
-use std::io::{self, Cursor, Read};
+use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-#[cfg(unix)]
-use rayon::prelude::*;
 use texmap_math::MemoryBudget;
+
+use whole::{LARGE, read_at_once, read_whole};
 
 use crate::held::{Held, Input};
 use crate::{IoError, SourceLocation};
@@ -28,6 +31,8 @@ pub struct FileSource {
     root: Option<Arc<Path>>,
     /// Files in memory, instead of those of the file system.
     held: Option<Arc<Held>>,
+    /// Files in memory that come before all others.
+    given: Option<Arc<Held>>,
     /// Memory budget, asked before something large is read or made of a file.
     memory: MemoryBudget,
     record: Option<Record>,
@@ -62,36 +67,6 @@ impl FileSource {
         Self::default()
     }
 
-    /// Only files in `folder` and below. Absolute names, `..` and symbolic links may be used as long as the file that they lead
-    /// to lies there; anything else is [`IoError::OutsideRoot`], whether it exists or not. Names are followed before the file
-    /// is opened, so nobody else should be able to change links in the folder meanwhile.
-    ///
-    /// # Errors
-    /// [`IoError::FileMissing`] and [`IoError::Read`] for a folder that is none.
-    pub fn within(folder: &Path) -> Result<Self, IoError> {
-        let canonical = folder
-            .canonicalize()
-            .and_then(|path| match path.is_dir() {
-                true => Ok(path),
-                false => Err(io::ErrorKind::NotADirectory.into()),
-            })
-            .map_err(|source| match source.kind() {
-                io::ErrorKind::NotFound => IoError::FileMissing {
-                    path: folder.to_path_buf(),
-                    named_by: None,
-                },
-                _ => IoError::Read {
-                    path: folder.to_path_buf(),
-                    named_by: None,
-                    source,
-                },
-            })?;
-        Ok(Self {
-            root: Some(canonical.into()),
-            ..Self::default()
-        })
-    }
-
     /// Files in memory by their names, and none of the file system: for programs without one. Names are compared after `.` and `..`
     /// are taken out of them; a name that is given twice has the last bytes.
     ///
@@ -115,6 +90,16 @@ impl FileSource {
         }
     }
 
+    /// The same files and one more in memory, which hides any other of its name. Its name may be that of a file in a folder: what it names
+    /// is looked for there.
+    #[must_use]
+    pub fn with_file(self, name: PathBuf, bytes: Vec<u8>) -> Self {
+        Self {
+            given: Some(Arc::new(Held::new([(name, bytes)]))),
+            ..self
+        }
+    }
+
     /// The same files; those of the whole file system only from the folder of `file` and below.
     pub(crate) fn confined(&self, file: &Path) -> Result<Self, IoError> {
         if self.root.is_some() || self.held.is_some() {
@@ -126,6 +111,7 @@ impl FileSource {
         };
         Ok(Self {
             record: self.record.clone(),
+            given: self.given.clone(),
             ..Self::within(folder)?.with_memory(self.memory)
         })
     }
@@ -245,8 +231,8 @@ impl FileSource {
         named_by: Option<&SourceLocation>,
         limit: u64,
     ) -> Result<Opened, IoError> {
-        if let Some(held) = &self.held {
-            let bytes = held.get(path).ok_or_else(|| missing(path, named_by))?;
+        if let Some(found) = self.in_memory_of(path) {
+            let bytes = found.ok_or_else(|| missing(path, named_by))?;
             return within_limit(
                 path,
                 Input::Held(Cursor::new(bytes.clone())),
@@ -284,13 +270,8 @@ impl FileSource {
         path: &Path,
         named_by: Option<&SourceLocation>,
     ) -> Result<(), IoError> {
-        if let Some(held) = &self.held {
-            let known = held.get(path).is_some();
-            return if known {
-                Ok(())
-            } else {
-                Err(missing(path, named_by))
-            };
+        if let Some(found) = self.in_memory_of(path) {
+            return found.map(|_| ()).ok_or_else(|| missing(path, named_by));
         }
         let real = self.resolve(path, named_by)?;
         self.size(real.as_deref().unwrap_or(path), path, named_by)
@@ -310,11 +291,21 @@ impl FileSource {
 
     /// True if there is something of this name that may be read.
     pub(crate) fn exists(&self, path: &Path) -> bool {
-        if let Some(held) = &self.held {
-            return held.get(path).is_some();
+        if let Some(found) = self.in_memory_of(path) {
+            return found.is_some();
         }
         self.resolve(path, None)
             .is_ok_and(|real| real.as_deref().unwrap_or(path).exists())
+    }
+
+    /// The bytes of a file in memory, `Some(None)` where there are no others and this is none of them; `None` for the file system.
+    fn in_memory_of(&self, path: &Path) -> Option<Option<&Arc<[u8]>>> {
+        let given = self.given.as_ref().and_then(|given| given.get(path));
+        match (given, &self.held) {
+            (Some(bytes), _) => Some(Some(bytes)),
+            (None, Some(held)) => Some(held.get(path)),
+            (None, None) => None,
+        }
     }
 
     /// Bytes of the regular file `at`, which messages call `path`.
@@ -339,46 +330,6 @@ impl FileSource {
                 Err(missing(path, named_by))
             }
             Err(source) => Err(unreadable(path, named_by, source)),
-        }
-    }
-
-    /// The name without links and `..`, if there is a root to hold it against.
-    fn resolve(
-        &self,
-        path: &Path,
-        named_by: Option<&SourceLocation>,
-    ) -> Result<Option<PathBuf>, IoError> {
-        let Some(root) = &self.root else {
-            return Ok(None);
-        };
-        let outside = || IoError::OutsideRoot {
-            path: path.to_path_buf(),
-            named_by: named_by.cloned(),
-        };
-        if let Ok(real) = path.canonicalize() {
-            return match real.starts_with(root) {
-                true => Ok(Some(real)),
-                false => Err(outside()),
-            };
-        }
-        // The name leads nowhere. That is only said where its last folder that exists lies within the root, and not of a link,
-        // which may lead anywhere: messages must not tell which files there are elsewhere.
-        let mut ancestor = path;
-        let real = loop {
-            if ancestor.is_symlink() {
-                return Err(outside());
-            }
-            ancestor = match ancestor.parent() {
-                Some(parent) if !parent.as_os_str().is_empty() => parent,
-                _ => break Path::new(".").canonicalize(),
-            };
-            if let Ok(real) = ancestor.canonicalize() {
-                break Ok(real);
-            }
-        };
-        match real {
-            Ok(real) if real.starts_with(root) => Ok(Some(path.to_path_buf())),
-            _ => Err(outside()),
         }
     }
 }
@@ -406,34 +357,6 @@ fn missing(path: &Path, named_by: Option<&SourceLocation>) -> IoError {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),
     }
-}
-
-/// Files from this size on are read by every thread, a piece of this size each: 4 MiB.
-const LARGE: u64 = 1 << 22;
-
-fn read_whole(file: impl Read, size: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    bytes
-        .try_reserve_exact(size as usize)
-        .map_err(io::Error::other)?;
-    file.take(size).read_to_end(&mut bytes)?;
-    Ok(bytes)
-}
-
-#[cfg(unix)]
-fn read_at_once(file: File, size: u64) -> io::Result<Vec<u8>> {
-    use std::os::unix::fs::FileExt;
-
-    // The system zeroes memory pages at the first write to each, which is most of the time of reading.
-    let mut bytes = vec![0; size as usize];
-    let pieces = bytes.par_chunks_mut(LARGE as usize).enumerate();
-    pieces.try_for_each(|(number, piece)| file.read_exact_at(piece, number as u64 * LARGE))?;
-    Ok(bytes)
-}
-
-#[cfg(not(unix))]
-fn read_at_once(file: File, size: u64) -> io::Result<Vec<u8>> {
-    read_whole(file, size)
 }
 
 fn unreadable(path: &Path, named_by: Option<&SourceLocation>, source: io::Error) -> IoError {
@@ -466,14 +389,25 @@ mod tests {
     }
 
     #[test]
-    fn large_files_are_read_whole() {
+    fn a_file_in_memory_stands_before_those_of_a_folder() {
         let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("a.obj");
-        let bytes: Vec<u8> = (0..3 * LARGE + 7).map(|i| (i / 977) as u8).collect();
-        for size in [LARGE - 1, LARGE, LARGE + 1, 3 * LARGE + 7] {
-            fs::write(&path, &bytes[..size as usize]).unwrap();
-            assert!(read(&path).unwrap() == bytes[..size as usize], "{size}");
+        let at = |name: &str| dir.path().join(name);
+        for name in ["a", "b"] {
+            fs::write(at(name), name).unwrap();
         }
+        let files = FileSource::within(dir.path()).unwrap();
+        let files = files.with_file(at("a"), b"given".to_vec());
+        assert_eq!(files.read(&at("a"), 9).unwrap(), b"given");
+        assert_eq!(files.read(&at("b"), 9).unwrap(), b"b");
+        assert_eq!(
+            files.read(&at("a"), 4).unwrap_err().code(),
+            "file-too-large"
+        );
+        assert_eq!(files.read(&at("c"), 9).unwrap_err().code(), "file-missing");
+        let outside = files.read(&at("../c"), 9).unwrap_err();
+        assert_eq!(outside.code(), "outside-root");
+        let anywhere = FileSource::anywhere().with_file(at("d"), vec![]);
+        assert!(anywhere.confined(&at("a")).unwrap().exists(&at("d")));
     }
 
     #[test]
@@ -528,55 +462,5 @@ mod tests {
             .set_len(3 << 30)
             .unwrap();
         assert_eq!(read(&path).unwrap_err().code(), "file-too-large");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_root_confines_links_dots_and_absolute_names() {
-        use std::os::unix::fs::symlink;
-        let dir = tempfile::tempdir().unwrap();
-        let at = |name: &str| dir.path().join(name);
-        fs::create_dir_all(at("root/maps")).unwrap();
-        fs::create_dir(at("rooted")).unwrap();
-        for name in ["secret", "rooted/secret", "root/a", "root/maps/b"] {
-            fs::write(at(name), name).unwrap();
-        }
-        symlink("maps/b", at("root/good")).unwrap();
-        symlink("../secret", at("root/bad")).unwrap();
-        symlink("../gone", at("root/dangling")).unwrap();
-        symlink("..", at("root/up")).unwrap();
-        symlink(at("root"), at("alias")).unwrap();
-        let files = FileSource::within(&at("alias")).unwrap();
-        let code = |name: &str| match files.read(&at(name), MAX_TEXT) {
-            Ok(bytes) => String::from_utf8(bytes).unwrap(),
-            Err(error) => error.code().to_owned(),
-        };
-        for (name, expected) in [
-            ("root/a", "root/a"),
-            ("root/maps/../a", "root/a"),
-            ("root/../root/maps/b", "root/maps/b"),
-            ("root/good", "root/maps/b"),
-            ("alias/a", "root/a"),
-            ("root/up/root/a", "root/a"),
-            ("root/gone", "file-missing"),
-            ("root/no/such/file", "file-missing"),
-            ("root/maps", "not-a-file"),
-            // Names beside the root that begin like it, and files elsewhere, whether they exist or not.
-            ("rooted/secret", "outside-root"),
-            ("secret", "outside-root"),
-            ("gone", "outside-root"),
-            ("root/../secret", "outside-root"),
-            ("root/../gone", "outside-root"),
-            ("root/up/secret", "outside-root"),
-            ("root/up/gone", "outside-root"),
-            ("root/bad", "outside-root"),
-            ("root/dangling", "outside-root"),
-            ("root/bad/x", "outside-root"),
-        ] {
-            assert_eq!(code(name), expected, "{name}");
-        }
-        assert!(!files.exists(&at("secret")) && files.exists(&at("root/a")));
-        let error = FileSource::within(&at("secret")).unwrap_err();
-        assert_eq!(error.code(), "read-failed");
     }
 }

@@ -1,18 +1,23 @@
 //! Images in (PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, Radiance HDR, OpenEXR) and out (PNG; [`PictureFormat`](crate::PictureFormat) has the others).
 
-use std::io::{self, BufReader, Cursor};
+mod decode;
+mod rgba;
+
+use std::io;
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::metadata::Orientation;
-use image::{
-    DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, Limits,
-};
-use texmap_math::{MemoryBudget, color};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder};
+use texmap_math::MemoryBudget;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, TexelData, Texture2d};
 
-use crate::files::{FileSource, MAX_TEXT, is_called};
-use crate::{IoError, SourceLocation, atomic, exr_header};
+use decode::{decode_bytes, size_allowed};
+
+use crate::files::FileSource;
+use crate::{IoError, SourceLocation, atomic};
+
+pub(crate) use decode::{ask_for_texels, decode, stated_size};
+pub use rgba::{Depth, Rgba};
 
 /// The largest width and height of an image.
 pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
@@ -37,72 +42,6 @@ pub const ENDINGS: &[&str] = &[
     "hdr",
     "exr",
 ];
-
-/// A decoded image: RGBA, rows from top to bottom.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rgba {
-    /// Columns, 1 or more.
-    pub width: u32,
-    /// Rows, 1 or more.
-    pub height: u32,
-    /// Channels that the file has: 1 grey, 2 grey and alpha, 3 colours, 4 colours and alpha.
-    pub channels: u32,
-    /// Four values a texel.
-    pub texels: Depth,
-}
-
-/// The values of an image in the depth of its file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Depth {
-    /// 8 bits a channel: sRGB codes, straight alpha.
-    U8(Vec<u8>),
-    /// 16 bits a channel (PNG, TIFF): sRGB codes, straight alpha.
-    U16(Vec<u16>),
-    /// Floats (HDR, EXR, TIFF): linear light, premultiplied alpha. NaN and infinities are as the file has them.
-    F32(Vec<f32>),
-}
-
-impl Depth {
-    /// Bits a channel; 32 for floats, half floats too.
-    pub fn bits(&self) -> u32 {
-        match self {
-            Self::U8(_) => 8,
-            Self::U16(_) => 16,
-            Self::F32(_) => 32,
-        }
-    }
-}
-
-impl Rgba {
-    /// The texels as floats, four a texel, with the meaning of their alpha. They are linear light, or for [`ColorSpace::Linear`] the
-    /// codes over their largest. Floats are as they are.
-    #[must_use]
-    pub fn into_floats(self, color: ColorSpace) -> (Vec<f32>, Alpha) {
-        let light = match (&self.texels, color) {
-            (Depth::U16(_), ColorSpace::Srgb) => {
-                (0..=u16::MAX).map(color::srgb16_to_linear).collect()
-            }
-            _ => Vec::new(),
-        };
-        let texels = match self.texels {
-            Depth::F32(texels) => return (texels, Alpha::Premultiplied),
-            Depth::U8(texels) => floats(&texels, |c, is_alpha| match color {
-                ColorSpace::Srgb if !is_alpha => color::srgb8_to_linear(c),
-                _ => f32::from(c) / 255.0,
-            }),
-            Depth::U16(texels) => floats(&texels, |c, is_alpha| match color {
-                ColorSpace::Srgb if !is_alpha => light[usize::from(c)],
-                _ => f32::from(c) / 65535.0,
-            }),
-        };
-        (texels, Alpha::Straight)
-    }
-}
-
-fn floats<T: Copy>(texels: &[T], value: impl Fn(T, bool) -> f32) -> Vec<f32> {
-    let texels = texels.iter().enumerate();
-    texels.map(|(i, c)| value(*c, i % 4 == 3)).collect()
-}
 
 /// Decodes a PNG, JPEG, WebP, GIF, BMP, TGA, TIFF (feature `tiff`), QOI, HDR or EXR file; its content decides which, not its name (but for
 /// TGA, which only its name tells).
@@ -204,157 +143,6 @@ pub(crate) fn read_bytes(files: &FileSource, path: &Path, bytes: &[u8]) -> Resul
     .map(Rgba::of)
 }
 
-impl Rgba {
-    /// The same colours, opaque.
-    pub(crate) fn without_alpha(&self) -> Self {
-        fn opaque<T: Copy>(texels: &[T], most: T) -> Vec<T> {
-            let mut texels = texels.to_vec();
-            texels
-                .iter_mut()
-                .skip(3)
-                .step_by(4)
-                .for_each(|alpha| *alpha = most);
-            texels
-        }
-        Self {
-            width: self.width,
-            height: self.height,
-            channels: 3,
-            texels: match &self.texels {
-                Depth::U8(texels) => Depth::U8(opaque(texels, u8::MAX)),
-                Depth::U16(texels) => Depth::U16(opaque(texels, u16::MAX)),
-                Depth::F32(texels) => Depth::F32(opaque(texels, 1.0)),
-            },
-        }
-    }
-
-    fn of(decoded: DynamicImage) -> Self {
-        let (width, height) = (decoded.width(), decoded.height());
-        let color = decoded.color();
-        let texels = match color.bytes_per_pixel() / color.channel_count() {
-            1 => Depth::U8(decoded.into_rgba8().into_raw()),
-            2 => Depth::U16(decoded.into_rgba16().into_raw()),
-            _ => Depth::F32(decoded.into_rgba32f().into_raw()),
-        };
-        Self {
-            width,
-            height,
-            channels: u32::from(color.channel_count()),
-            texels,
-        }
-    }
-}
-
-fn size_allowed(
-    path: &Path,
-    named_by: Option<&SourceLocation>,
-    (width, height): (u32, u32),
-) -> Result<(), IoError> {
-    let side = 1..=MAX_SIDE;
-    if side.contains(&width)
-        && side.contains(&height)
-        && u64::from(width) * u64::from(height) <= MAX_TEXELS
-    {
-        return Ok(());
-    }
-    Err(IoError::ImageSize {
-        path: path.to_path_buf(),
-        named_by: named_by.cloned(),
-        width,
-        height,
-    })
-}
-
-/// Asks for `bytes` bytes for each of an image's texels.
-pub(crate) fn ask_for_texels(
-    files: &FileSource,
-    path: &Path,
-    named_by: Option<&SourceLocation>,
-    (width, height): (u32, u32),
-    bytes: u64,
-) -> Result<(), IoError> {
-    files.ask(
-        u64::from(width) * u64::from(height) * bytes,
-        format_args!("the {width} x {height} texels of {}", path.display()),
-        "take a smaller image",
-        named_by,
-    )
-}
-
-/// Decodes an image file of a size that `fits`.
-pub(crate) fn decode(
-    files: &FileSource,
-    path: &Path,
-    named_by: Option<&SourceLocation>,
-    fits: impl Fn((u32, u32)) -> Result<(), IoError>,
-) -> Result<DynamicImage, IoError> {
-    let bytes = files.read_named(path, named_by, MAX_TEXT)?;
-    decode_bytes(files, path, named_by, &bytes, fits)
-}
-
-fn decode_bytes(
-    files: &FileSource,
-    path: &Path,
-    named_by: Option<&SourceLocation>,
-    bytes: &[u8],
-    fits: impl Fn((u32, u32)) -> Result<(), IoError>,
-) -> Result<DynamicImage, IoError> {
-    let broken = |problem: String| IoError::BrokenImage {
-        path: path.to_path_buf(),
-        named_by: named_by.cloned(),
-        // Some decoders end their messages with a line feed.
-        problem: problem.trim_end().replace('\n', " "),
-    };
-    // Decoders call a size of zero "broken"; say what it is.
-    if let Some(size) = header_size(bytes) {
-        fits(size)?;
-    }
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|e| broken(e.to_string()))?;
-    // TGA files begin with nothing of their own.
-    if reader.format().is_none() && is_called(path, "tga") {
-        reader.set_format(ImageFormat::Tga);
-    }
-    let mut limits = Limits::default();
-    // Four floats a texel.
-    limits.max_alloc = Some(16 * MAX_TEXELS);
-    reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|e| broken(e.to_string()))?;
-    let (width, height) = decoder.dimensions();
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let turned = match orientation {
-        Orientation::Rotate90
-        | Orientation::Rotate270
-        | Orientation::Rotate90FlipH
-        | Orientation::Rotate270FlipH => (height, width),
-        _ => (width, height),
-    };
-    fits(turned)?;
-    if let Some(problem) = exr_header::fault(bytes) {
-        return Err(broken(problem));
-    }
-    // As it is decoded, turned where it has to be, then with four channels of the same depth.
-    let color = decoder.color_type();
-    let kept = match orientation {
-        Orientation::NoTransforms => 1,
-        _ => 2,
-    };
-    let depth = color.bytes_per_pixel() / color.channel_count();
-    let texel = kept * color.bytes_per_pixel() + 4 * depth;
-    ask_for_texels(files, path, named_by, turned, u64::from(texel))?;
-    let mut image = DynamicImage::from_decoder(decoder).map_err(|e| broken(e.to_string()))?;
-    image.apply_orientation(orientation);
-    Ok(image)
-}
-
-/// Width and height that a file states before anything is decoded, if that is clear.
-pub(crate) fn stated_size(files: &FileSource, path: &Path) -> Option<(u32, u32)> {
-    let opened = files.open(path, None, MAX_TEXT).ok()?;
-    let reader = ImageReader::new(BufReader::new(opened.file));
-    reader.with_guessed_format().ok()?.into_dimensions().ok()
-}
-
 /// The texture of a decoded image: floats are linear light.
 pub(crate) fn texture(
     path: &Path,
@@ -396,31 +184,6 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
             .write_image(rgba, width, height, ExtendedColorType::Rgba8)
             .map_err(io::Error::other)
     })
-}
-
-/// Width and height as the head of a PNG, GIF or QOI file states them.
-fn header_size(bytes: &[u8]) -> Option<(u32, u32)> {
-    let wide = |at: usize| {
-        bytes
-            .get(at..)?
-            .first_chunk()
-            .map(|b| u32::from_be_bytes(*b))
-    };
-    let short = |at: usize| {
-        bytes
-            .get(at..)?
-            .first_chunk()
-            .map(|b| u16::from_le_bytes(*b))
-    };
-    if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
-        Some((wide(16)?, wide(20)?))
-    } else if bytes.starts_with(b"qoif") {
-        Some((wide(4)?, wide(8)?))
-    } else if bytes.starts_with(b"GIF8") {
-        Some((short(6)?.into(), short(8)?.into()))
-    } else {
-        None
-    }
 }
 
 #[cfg(test)]
