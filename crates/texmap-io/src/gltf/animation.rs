@@ -1,5 +1,7 @@
 //! Animations: the nodes and weights at a time.
 
+use std::collections::BTreeMap;
+
 use texmap_math::deterministic_f64::{atan2, sin};
 
 use super::json::AnimationSampler;
@@ -11,21 +13,16 @@ use crate::IoError;
 #[derive(Debug, Default)]
 pub(super) struct Pose {
     /// Translation, rotation and scale of every node that has one of them animated.
-    pub(super) places: Vec<(usize, Trs)>,
-    pub(super) weights: Vec<(usize, Vec<f64>)>,
+    pub(super) places: BTreeMap<usize, Trs>,
+    pub(super) weights: BTreeMap<usize, Vec<f64>>,
     /// Channels that move something else.
     pub(super) ignored: usize,
 }
 
 impl Pose {
     fn place<'p>(&'p mut self, model: &Model<'_>, node: usize) -> &'p mut Trs {
-        let known = self.places.iter().position(|(n, _)| *n == node);
-        let at = known.unwrap_or_else(|| {
-            self.places
-                .push((node, Trs::of(&model.document.nodes[node])));
-            self.places.len() - 1
-        });
-        &mut self.places[at].1
+        let rest = || Trs::of(&model.document.nodes[node]);
+        self.places.entry(node).or_insert_with(rest)
     }
 }
 
@@ -63,7 +60,7 @@ pub(super) fn pose(model: &Model<'_>, index: usize, time: f64) -> Result<Pose, I
             }
             "weights" => {
                 let weights = keys::<1>(model, sampler, &at)?.at(time);
-                pose.weights.push((node, weights));
+                pose.weights.insert(node, weights);
             }
             _ => pose.ignored += 1,
         }

@@ -186,10 +186,7 @@ fn keep(
         bits,
         problem,
     };
-    match model.named.iter_mut().find(|known| known.path == file.path) {
-        Some(known) => *known = file,
-        None => model.named.push(file),
-    }
+    model.note_file(file);
     Ok(picture)
 }
 

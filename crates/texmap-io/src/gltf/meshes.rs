@@ -85,12 +85,7 @@ impl Reader {
         };
         let at = format!("/nodes/{n}");
         let mesh = model.item(&model.document.meshes, index, &format!("{at}/mesh"), "mesh")?;
-        let animated = pose
-            .weights
-            .iter()
-            .rev()
-            .find(|(node, _)| *node == n)
-            .map(|(_, w)| w);
+        let animated = pose.weights.get(&n);
         let shape = Shape {
             weights: weights(mesh, animated.or(node.weights.as_ref())),
             joints: match node.skin {

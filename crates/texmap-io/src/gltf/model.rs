@@ -1,7 +1,8 @@
 //! A glTF file with its bytes: the document, its buffers and the files beside it.
 
+use std::collections::{HashMap, HashSet};
 use std::fmt::Display;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::json::Document;
 use super::{container, uri};
@@ -22,8 +23,11 @@ pub(super) struct Model<'a> {
     buffers: Vec<Buffer>,
     /// Each once, in the order of their causes.
     pub(super) warnings: Vec<String>,
+    warned: HashSet<String>,
     /// Files beside it, in the order of their mention.
     pub(super) named: Vec<NamedFile>,
+    /// Their numbers.
+    named_at: HashMap<PathBuf, usize>,
     /// Faults of files beside it are noted in `named` and do not stop.
     pub(super) tolerant: bool,
 }
@@ -50,7 +54,9 @@ impl<'a> Model<'a> {
             bytes,
             buffers: Vec::new(),
             warnings: Vec::new(),
+            warned: HashSet::new(),
             named: Vec::new(),
+            named_at: HashMap::new(),
             tolerant,
         };
         super::extensions::check(&mut model)?;
@@ -119,14 +125,25 @@ impl<'a> Model<'a> {
 
     /// Notes a file beside the model.
     fn note(&mut self, path: &Path, pointer: &str, problem: Option<String>) {
-        if !self.named.iter().any(|f| f.path == path) {
-            self.named.push(NamedFile {
+        if !self.named_at.contains_key(path) {
+            self.note_file(NamedFile {
                 path: path.to_path_buf(),
                 named_by: self.place(pointer),
                 size: None,
                 bits: None,
                 problem,
             });
+        }
+    }
+
+    /// Notes a file beside the model in place of an earlier note on it.
+    pub(super) fn note_file(&mut self, file: NamedFile) {
+        match self.named_at.get(&file.path) {
+            Some(at) => self.named[*at] = file,
+            None => {
+                self.named_at.insert(file.path.clone(), self.named.len());
+                self.named.push(file);
+            }
         }
     }
 
@@ -250,7 +267,7 @@ impl<'a> Model<'a> {
     /// Adds a warning that was not given yet.
     pub(super) fn warn(&mut self, warning: impl Display) {
         let warning = warning.to_string();
-        if !self.warnings.contains(&warning) {
+        if self.warned.insert(warning.clone()) {
             self.warnings.push(warning);
         }
     }
