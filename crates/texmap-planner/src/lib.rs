@@ -52,7 +52,7 @@ use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::PixelSamples;
 pub use prices::{Price, prices};
-use texmap_scene::{Mesh, Scene, Shading, TextureRole, ToneMapping};
+use texmap_scene::{Mesh, Scene, ToneMapping};
 use view::View;
 
 /// Chooses for a picture of this size: with one sample a pixel if that can keep the budget, else with 2 x 2 or 4 x 4. If none
@@ -170,7 +170,9 @@ mod tests {
     use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 
     use super::*;
-    use texmap_scene::{AlphaMode, ColorMode, Effects, Material, Shadow, TextureSlot};
+    use texmap_scene::{
+        AlphaMode, ColorMode, Effects, Material, Shading, Shadow, TextureRole, TextureSlot,
+    };
 
     /// A square of side 4 across the view at this depth, with a picture that no filter can show at its size.
     fn square(z: f32, material: usize) -> Mesh {

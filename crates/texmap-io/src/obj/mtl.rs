@@ -294,10 +294,8 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.mtl");
         std::fs::write(&path, text.replace("0.25", "x")).unwrap();
-        let mut textures = Textures {
-            classic: true,
-            ..Textures::default()
-        };
+        let mut textures = Textures::new(crate::FileSource::default(), false, false);
+        textures.classic = true;
         let (location, mut warnings) = (SourceLocation::new(Path::new("a.obj"), 1, 1), Vec::new());
         let materials = read(&path, &location, &mut textures, &mut warnings).unwrap();
         assert_eq!((materials[0].numbers, warnings.len()), ([None; 5], 4));
