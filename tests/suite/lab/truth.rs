@@ -345,9 +345,9 @@ const ROOM: &str = "surf .8 .75 .7 1 1 .2 20\nv -3 -.5 3\nv 3 -.5 3\nv 3 -.5 -2\
 fn rare_words_are_drawn_as_rays_say() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
     let folder = tempfile::tempdir().unwrap();
-    // A row that is clear at one end.
+    // A row that is half clear at one end.
     image::RgbaImage::from_fn(8, 1, |x, _| {
-        image::Rgba([x as u8 * 36, 200, 90, 35 + x as u8 * 30])
+        image::Rgba([100 + x as u8 * 10, 200, 90, 150 + x as u8 * 14])
     })
     .save(folder.path().join("clear.png"))
     .unwrap();
