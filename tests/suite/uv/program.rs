@@ -308,10 +308,7 @@ fn a_plane_is_fitted_and_what_it_loses_is_told() {
     );
     let (told, table, _) = run(&slope, &["--texture-size", "100"]);
     assert!(!told.contains("warning"), "{told}");
-    assert!(
-        table.contains("angle distortion      mean 2.5,"),
-        "{table}"
-    );
+    assert!(table.contains("angle distortion      mean 2.5,"), "{table}");
 }
 
 #[test]
