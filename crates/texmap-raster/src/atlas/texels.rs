@@ -1,5 +1,6 @@
 //! Texels that a face touches, and their values.
 
+use alloc::vec::Vec;
 use core::ops::Range;
 
 use texmap_math::float::sqrt;
