@@ -20,8 +20,8 @@ const LOBE: f32 = 0.3;
 /// Share of the way from the middle of the ground to its edge at which the shadow begins to fade.
 const FADE: f64 = 0.6;
 
-/// What the ground under a scene lacks of its light, because the scene stands in the way: of the environment light, else of an even
-/// sky, and of directional lights. Other lights cast none.
+/// The shadow of a scene on the ground under it: the missing share of the environment light, else of an even sky, and of directional
+/// lights. Other lights cast none.
 ///
 /// The share of the light is summed over directions, by the outlines of the scene along each: a shadow is dark and sharp where something
 /// touches the ground, and pale and wide under what is far above it. It fades out towards the edge of a square that is wider than the
@@ -51,12 +51,7 @@ struct Place {
 impl Place {
     fn new(scene: &Scene, up: DVec3) -> Option<Self> {
         let up = up.try_normalize()?;
-        let side = if up.x * up.x < 0.5 {
-            DVec3::X
-        } else {
-            DVec3::Z
-        };
-        let right = (side - up * side.dot(up)).normalize();
+        let right = across(up, DVec3::Z);
         let axes = [right, up.cross(right), up];
         let points = || {
             let casting = scene.meshes.iter().filter(|mesh| !mesh.casts_no_shadow);
@@ -252,12 +247,7 @@ fn sky(scene: &Scene, place: &Place) -> Vec<(DVec3, f64)> {
     // A sun of five degrees, so that its shadow has soft edges.
     const POINTS: u32 = 9;
     for (toward, weight) in suns {
-        let side = if toward.x * toward.x < 0.5 {
-            DVec3::X
-        } else {
-            DVec3::Y
-        };
-        let right = (side - toward * side.dot(toward)).normalize();
+        let right = across(toward, DVec3::Y);
         let back = right.cross(toward);
         for k in 0..POINTS {
             let p = spread(k, POINTS, 0.002);
@@ -316,7 +306,7 @@ fn caster(scene: &Scene) -> Scene {
         materials: scene.materials.iter().map(covers).collect(),
         ..Scene::new(Camera::look_at([0.0, 0.0, 1.0], [0.0; 3]))
     };
-    // What is opaque covers all of its pixels, whatever its texture.
+    // Opaque surfaces cover all of their pixels, whatever their textures.
     for material in &mut caster.materials {
         if material.alpha == AlphaMode::Opaque {
             (material.base_color, material.opacity_map) = (None, None);
@@ -325,7 +315,17 @@ fn caster(scene: &Scene) -> Scene {
     caster
 }
 
-/// What is covered as seen from a direction, from far away.
+/// A unit vector across a unit direction, towards +X or, for directions near to that axis, towards `other`.
+fn across(direction: DVec3, other: DVec3) -> DVec3 {
+    let side = if direction.x * direction.x < 0.5 {
+        DVec3::X
+    } else {
+        other
+    };
+    (side - direction * side.dot(direction)).normalize()
+}
+
+/// Coverage of the scene as seen from a direction, from far away.
 struct Outline {
     right: DVec3,
     up: DVec3,
@@ -337,12 +337,7 @@ struct Outline {
 impl Outline {
     fn new(caster: &mut Scene, place: &Place, direction: DVec3) -> Result<Self, RenderError> {
         let toward = direction.normalize();
-        let side = if toward.x * toward.x < 0.5 {
-            DVec3::X
-        } else {
-            DVec3::Y
-        };
-        let right = (side - toward * side.dot(toward)).normalize();
+        let right = across(toward, DVec3::Y);
         let up = toward.cross(right);
         let (middle, width) = (place.world(place.middle), 2.02 * place.radius);
         let eye = middle + place.world(toward) * (2.0 * place.radius);
