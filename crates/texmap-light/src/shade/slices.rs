@@ -20,12 +20,16 @@ pub fn lighting_slice(
     eye: [f32; 3],
     out: &mut [Lighting],
 ) -> Result<(), LightError> {
-    same_length("points", points.len(), out.len())?;
-    same_length("normals", normals.len(), out.len())?;
-    each_point(surface, lights, points, normals, eye, &mut |at, terms| {
-        out[at] = terms;
-    });
-    Ok(())
+    let count = out.len();
+    each_point(
+        surface,
+        lights,
+        (count, points, normals),
+        eye,
+        &mut |at, terms| {
+            out[at] = terms;
+        },
+    )
 }
 
 /// [`illuminate`](super::illuminate) for every point of a slice: the same bits, entry by entry.
@@ -40,24 +44,30 @@ pub fn illuminate_slice(
     eye: [f32; 3],
     out: &mut [[f32; 3]],
 ) -> Result<(), LightError> {
-    same_length("points", points.len(), out.len())?;
-    same_length("normals", normals.len(), out.len())?;
-    each_point(surface, lights, points, normals, eye, &mut |at, terms| {
-        out[at] = terms.color(surface.color);
-    });
-    Ok(())
+    let count = out.len();
+    each_point(
+        surface,
+        lights,
+        (count, points, normals),
+        eye,
+        &mut |at, terms| {
+            out[at] = terms.color(surface.color);
+        },
+    )
 }
 
-/// [`lighting`](super::lighting) of all points, in lanes.
+/// [`lighting`](super::lighting) of `count` points, in lanes.
 fn each_point(
     surface: &PhongMaterial,
     lights: &[Light],
-    points: &[[f32; 3]],
-    normals: &[[f32; 3]],
+    (count, points, normals): (usize, &[[f32; 3]], &[[f32; 3]]),
     eye: [f32; 3],
     put: &mut dyn FnMut(usize, Lighting),
-) {
+) -> Result<(), LightError> {
+    same_length("points", points.len(), count)?;
+    same_length("normals", normals.len(), count)?;
     dispatch_simd!(crate::level(), i => blocks(i, surface, lights, points, normals, eye, put));
+    Ok(())
 }
 
 #[inline(always)]
