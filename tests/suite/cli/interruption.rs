@@ -73,7 +73,7 @@ fn is_ignored(number: u32) -> bool {
     u64::from_str_radix(mask.trim(), 16).unwrap() >> (number - 1) & 1 == 1
 }
 
-/// What standard input holds lies in a temporary folder while it is drawn.
+/// Standard input is held in memory; the folder of the unfinished picture goes.
 #[test]
 fn a_signal_leaves_nothing_of_standard_input() {
     let desk = Desk::new();
@@ -86,7 +86,7 @@ fn a_signal_leaves_nothing_of_standard_input() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    wait_for("the copy of the model", || {
+    wait_for("the unfinished picture", || {
         assert!(child.try_wait().unwrap().is_none());
         !desk.stages().is_empty()
     });

@@ -41,7 +41,7 @@ fn models_are_metallic_roughness_and_scenes_are_not() {
     let classic = hash("--shading classic");
     assert_ne!(default, classic);
     assert_ne!(default, hash("--env sky.hdr"));
-    // What only the classic model can tell is asked of it, and raw colours are no light.
+    // Raw colours are no light: they keep the classic model.
     assert_ne!(
         hash("--color raw"),
         hash("--color raw --shading metallic-roughness")

@@ -49,7 +49,7 @@ fn no_output_is_an_input_or_another_output() {
     );
 }
 
-/// What scenes and models name is read later than the command line, and is as much an input.
+/// Files that scenes and models name are read later than the command line, and are inputs too.
 #[test]
 fn no_output_is_what_a_scene_or_model_names() {
     let desk = Desk::new();

@@ -369,7 +369,7 @@ fn roughness_and_metalness_are_packed_into_one_texture() {
     assert_eq!((model.roughness, model.metallic), (0.3, 1.0));
     let texture = &scene.textures[model.map.unwrap().texture];
     assert_eq!(texture.texel(0, 1, 1).unwrap()[1], 1.0);
-    // What is not there is an error, or a stand-in where that is asked for.
+    // A missing map is an error, or a stand-in where that is asked for.
     let lost = files("newmtl m\nmap_Pr gone.png\nmap_Pm metal.png\n");
     assert_eq!(lost.load("a.obj").unwrap_err().code(), "file-missing");
 }

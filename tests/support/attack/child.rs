@@ -54,7 +54,7 @@ pub(super) fn run(
     command
         .args(arguments)
         .current_dir(folder)
-        // What is left among temporary files is seen, too.
+        // Leftovers among temporary files are seen, too.
         .env("TMPDIR", folder)
         .stdin(match stdin {
             Some(path) => File::open(path)?.into(),

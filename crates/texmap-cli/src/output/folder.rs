@@ -1,5 +1,4 @@
-//! Temporary folders beside the outputs, and one for a copy of standard input. Each holds a locked file, which tells folders in use
-//! from those of killed runs.
+//! Temporary folders beside the outputs. Each holds a locked file, which tells folders in use from those of killed runs.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -30,7 +29,7 @@ pub(crate) struct Folder {
 
 impl Folder {
     /// Makes a folder in `at`, after removing the folders of killed runs there.
-    pub(crate) fn new(at: &Path) -> io::Result<Self> {
+    pub(super) fn new(at: &Path) -> io::Result<Self> {
         sweep_once(at);
         // Locked before a signal can find the folder missing from the list.
         let mut known = interrupt::folders();

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use crate::failure::{self, Exit, Failure};
 use crate::interrupt;
 pub(crate) use distinct::distinct;
-pub(crate) use folder::Folder;
+use folder::Folder;
 use made::MadeFolders;
 
 /// One output that was found to be writable.

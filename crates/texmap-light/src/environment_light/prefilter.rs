@@ -77,8 +77,8 @@ impl Prefilter {
         &self.cube
     }
 
-    /// What a lobe of this perceptual roughness, 0 to 1, gathers around the centre of each texel: the mean of the environment with the
-    /// weight `D(H) (L.R)`, as seen head on (Karis 2013). `size` is the height of a face; where the lobe leaves no detail for so many
+    /// The environment filtered by the lobe of a perceptual roughness, 0 to 1: around the centre of each texel, its mean with the weight
+    /// `D(H) (L.R)`, as seen head on (Karis 2013). `size` is the height of a face; where the lobe leaves no detail for so many
     /// texels they are interpolated. A roughness of 0 gives the environment.
     ///
     /// # Errors
@@ -98,7 +98,7 @@ impl Prefilter {
         })
     }
 
-    /// What a white diffuse surface that faces the centre of each texel gives off: its irradiance over pi.
+    /// Irradiance over pi: the light of a white diffuse surface that faces the centre of each texel.
     ///
     /// # Errors
     /// As [`ggx`](Self::ggx).

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use texmap_light::{Environment, EnvironmentLayout};
 
-/// How the faces of a cube become pictures.
+/// Arrangement of the faces of a cube in pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum Faces {
     /// One picture, +X -X +Y -Y +Z -Z below each other
@@ -20,7 +20,7 @@ pub(super) enum Faces {
 /// A picture of linear light.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Picture {
-    /// What its name has before the ending.
+    /// Part of its name before the ending.
     pub(super) suffix: Option<&'static str>,
     pub(super) width: u32,
     pub(super) height: u32,

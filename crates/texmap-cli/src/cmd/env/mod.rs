@@ -40,7 +40,7 @@ pub(crate) struct EnvArgs {
     /// The layout to write [default with --prefilter: cube]
     #[arg(long, value_name = "LAYOUT", required_unless_present = "prefilter")]
     to: Option<EnvironmentLayout>,
-    /// How the faces of a cube become pictures
+    /// Arrangement of the faces of a cube in pictures
     #[arg(long, value_name = "HOW", default_value = "strip")]
     faces: Faces,
     /// Height of a face in texels [default: as many texels in all as the image has; a power of two of at most so many for

@@ -45,7 +45,7 @@ pub(crate) fn item(
 ) -> Result<Vec<ItemReport>, Failure> {
     let began = Instant::now();
     let scene_file = is_scene(file);
-    // What this input names, and not what all others do.
+    // The files of this input alone.
     let files = &files.clone().recording();
     let options = options(args, file, files);
     let measured = args.verify || args.budget().is_some();
@@ -154,7 +154,7 @@ pub(super) fn keep_apart(
     for (item, _) in items {
         outputs.extend(item.outputs(args)?);
     }
-    // What is not there yet is read by none.
+    // Outputs that do not exist yet are read by none.
     outputs.retain(|output| output.is_file());
     if items.len() < 2 || outputs.is_empty() {
         return Ok(());

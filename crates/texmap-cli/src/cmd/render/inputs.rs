@@ -16,7 +16,7 @@ const MAX_STDIN: u64 = 1 << 31;
 pub(crate) struct Inputs {
     /// As they are named in reports; `-` for standard input.
     pub(crate) names: Vec<PathBuf>,
-    /// Where its model stands, and the files that it may name.
+    /// Path of the model on standard input, and the files that it may name.
     stdin: Option<(PathBuf, FileSource)>,
 }
 

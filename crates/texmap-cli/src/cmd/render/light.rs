@@ -65,7 +65,7 @@ impl FromStr for Env {
     }
 }
 
-/// What a scene is lit for.
+/// Properties of an input and its pictures that decide its light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lit {
     /// It is a scene file, which has the light that it says.
@@ -206,7 +206,7 @@ impl LightArgs {
     }
 }
 
-/// What a metallic-roughness surface has and Phong's model does not draw.
+/// The warning on properties of metallic-roughness surfaces that Phong's model does not draw.
 fn not_classic(materials: &[Material]) -> Option<String> {
     let models = materials
         .iter()
