@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
 use texmap_math::Footprint;
 use texmap_raster::Varyings;
 use texmap_sample::{Filter, Origin, Sampler, Texture2d, UvTransform, Wrap};
@@ -18,7 +19,7 @@ pub(crate) struct Chains {
 
 impl Chains {
     pub(crate) fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let mut chains = vec![None; scene.textures.len()];
+        let mut read = vec![false; scene.textures.len()];
         let backdrop = match &scene.effects.background {
             Some(Background::Picture(slot)) => Some(slot),
             _ => None,
@@ -28,8 +29,8 @@ impl Chains {
         for slot in slots.chain(backdrop) {
             let texture = &scene.textures[slot.texture];
             let filter = settings.filter.unwrap_or(slot.sampler.filter);
-            let chain = &mut chains[slot.texture];
-            if filter.reads_mips() && texture.levels() == 1 && chain.is_none() {
+            let read = &mut read[slot.texture];
+            if filter.reads_mips() && texture.levels() == 1 && !*read {
                 let (width, height) = (texture.width(), texture.height());
                 // Up to four floats a texel, and a third more for the levels.
                 settings.memory.ask(
@@ -37,9 +38,13 @@ impl Chains {
                     format_args!("the mip chain of a texture of {width} x {height} texels"),
                     "take a smaller texture, or a filter that reads one level",
                 )?;
-                *chain = Some(texture.clone().with_mips());
+                *read = true;
             }
         }
+        let textures = scene.textures.par_iter().zip(read);
+        let chains = textures
+            .map(|(texture, read)| read.then(|| texture.clone().with_mips()))
+            .collect();
         Ok(Self {
             mips: chains,
             codes: codes(scene, settings)?,

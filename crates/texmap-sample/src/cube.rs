@@ -9,7 +9,8 @@ use crate::{
     mip,
     sampler::{Precision, Sampler},
     texel_data::Chain,
-    texture::{Image, Texture2d, check_size, upload},
+    texture::{Image, Texture2d, check_size},
+    upload::upload,
 };
 use alloc::vec::Vec;
 use kernel::FaceVector;

@@ -2,11 +2,11 @@
 
 use crate::{
     error::SampleError,
-    texel_data::{Chain, Format, Level, TexelData, Words},
-    texture::{Alpha, ColorSpace, Image, Origin, Texture2d, choose_format, upload},
+    texel_data::{Chain, Format, Level, TexelData, Words, floats},
+    texture::{Alpha, ColorSpace, Image, Origin, Texture2d},
+    upload::{choose_format, texel16, upload},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
-use texmap_math::color;
 
 /// Bytes of a picture as level 0 of a chain of 16-bit levels.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ impl Encoded {
     /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it.
     #[inline(always)]
     pub(crate) fn decode(&self, i: usize) -> [f32; 4] {
-        let [r, g, b, a] = match self.channels {
+        let texel = match self.channels {
             1 => [self.bytes[i], self.bytes[i], self.bytes[i], 255],
             2 => {
                 let [l, a] = self.bytes.as_chunks().0[i];
@@ -39,27 +39,8 @@ impl Encoded {
             }
             _ => self.bytes.as_chunks().0[i],
         };
-        // Opaque sRGB texels, as of photographs, need no more than a table.
-        if a == 255 && self.color == ColorSpace::Srgb {
-            return [light16(r), light16(g), light16(b), 65535.0];
-        }
-        let a = f32::from(a) / 255.0;
-        let [r, g, b] = [self.light(r), self.light(g), self.light(b)];
-        Format::Rgba16.rounded([r * a, g * a, b * a, a])
+        floats(texel16(texel, self.color, true))
     }
-
-    #[inline(always)]
-    fn light(&self, c: u8) -> f32 {
-        match self.color {
-            ColorSpace::Srgb => color::srgb8_to_linear(c),
-            ColorSpace::Linear => f32::from(c) / 255.0,
-        }
-    }
-}
-
-#[inline(always)]
-fn light16(c: u8) -> f32 {
-    f32::from(color::srgb8_to_linear16(c))
 }
 
 impl Texture2d<'static> {

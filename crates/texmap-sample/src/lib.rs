@@ -64,6 +64,7 @@ mod summed_area;
 mod texel_data;
 mod texture;
 mod transform;
+mod upload;
 mod volume;
 mod volume_integrator;
 

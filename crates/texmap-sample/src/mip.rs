@@ -161,24 +161,24 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
             .collect();
         for y in 0..first.height {
             let start = (z * first.height + y) as usize * first.width as usize;
-            let mut row: Vec<[f32; 4]> = (start..start + first.width as usize)
-                .map(|i| match &encoded {
-                    Some(encoded) => encoded.fetch(i),
-                    None => format.fetch(source, i * format.words()),
-                })
-                .collect();
+            let end = start + first.width as usize;
+            let mut row: Vec<[f32; 4]> = match &encoded {
+                Some(encoded) => (start..end).map(|i| encoded.decode(i)).collect(),
+                None => format.fetch_row(&source[start * format.words()..end * format.words()]),
+            };
             let mut at = y;
             for level in &mut pending {
                 let Some((done, reduced)) = level.feed(at, row) else {
                     break;
                 };
                 packed.clear();
-                for &c in &reduced {
-                    let c = match reduce {
-                        Reduce::Normals => normalized(c, format.units()),
-                        _ => c,
-                    };
-                    format.push(&mut packed, c);
+                match reduce {
+                    Reduce::Normals => {
+                        for &c in &reduced {
+                            format.push(&mut packed, normalized(c, format.units()));
+                        }
+                    }
+                    _ => format.push_row(&mut packed, &reduced),
                 }
                 let next = &level.next;
                 let rows = (z * next.height + done) as usize * next.width as usize;
@@ -227,7 +227,21 @@ impl Pending {
         if self.row >= self.next.height || y + 1 < y0 + count {
             return None;
         }
-        let reduced = (0..self.next.width)
+        let reduced = match (self.above.width % 2, self.above.height % 2) {
+            (0, 0) => {
+                let [upper, lower] = [y0, y0 + 1].map(|j| self.rows[(j % 3) as usize].as_chunks().0);
+                let blocks = upper.iter().zip(lower);
+                blocks.map(|([a, b], [c, d])| mean(a, b, c, d)).collect()
+            }
+            _ => self.weighted(y0, wy),
+        };
+        self.row += 1;
+        Some((self.row - 1, reduced))
+    }
+
+    /// A row of sides of any length.
+    fn weighted(&self, y0: i32, wy: [f64; 3]) -> Vec<[f32; 4]> {
+        (0..self.next.width)
             .map(|x| {
                 let (x0, wx) = taps(x, self.above.width);
                 let mut sum = [0.0_f64; 4];
@@ -241,10 +255,19 @@ impl Pending {
                 }
                 sum.map(|s| s as f32)
             })
-            .collect();
-        self.row += 1;
-        Some((self.row - 1, reduced))
+            .collect()
     }
+}
+
+/// The mean of four texels: the weighted sum with weights of a quarter, which are exact and may come last.
+#[inline(always)]
+fn mean(a: &[f32; 4], b: &[f32; 4], c: &[f32; 4], d: &[f32; 4]) -> [f32; 4] {
+    let mut mean = [0.0; 4];
+    for k in 0..4 {
+        let [a, b, c, d] = [a[k], b[k], c[k], d[k]].map(f64::from);
+        mean[k] = ((0.0 + a + b + c + d) * 0.25) as f32;
+    }
+    mean
 }
 
 fn halve(

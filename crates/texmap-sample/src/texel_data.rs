@@ -92,12 +92,35 @@ impl Format {
         }
     }
 
-    /// The unscaled values that a texel of 0..1 is kept as.
-    pub(crate) fn rounded(self, c: [f32; 4]) -> [f32; 4] {
-        let most = self.units();
+    /// Appends a row of texels: [`push`](Self::push) for each.
+    pub(crate) fn push_row(self, words: &mut Vec<u32>, row: &[[f32; 4]]) {
         match self {
-            Self::Rgba8 | Self::Rgba16 => floats(rounded_words(scaled(c, most), most)),
-            Self::Rgba32 | Self::R32 => c,
+            Self::Rgba8 => words.extend(row.iter().map(|c| {
+                let [r, g, b, a] = rounded_words(*c, 255.0);
+                r | g << 8 | b << 16 | a << 24
+            })),
+            Self::Rgba16 => words.extend(row.iter().flat_map(|c| {
+                let [r, g, b, a] = rounded_words(*c, 65535.0);
+                [r | g << 16, b | a << 16]
+            })),
+            Self::Rgba32 => words.extend(row.as_flattened().iter().map(|c| c.to_bits())),
+            Self::R32 => words.extend(row.iter().map(|c| c[0].to_bits())),
+        }
+    }
+
+    /// The unscaled texels of a row of words: [`fetch`](Self::fetch) for each.
+    pub(crate) fn fetch_row(self, words: &[u32]) -> Vec<[f32; 4]> {
+        match self {
+            Self::Rgba8 => words.iter().map(|w| Self::Rgba8.fetch(&[*w], 0)).collect(),
+            Self::Rgba16 => {
+                let texels = words.as_chunks::<2>().0.iter();
+                texels.map(|w| Self::Rgba16.fetch(w, 0)).collect()
+            }
+            Self::Rgba32 => {
+                let texels = words.as_chunks::<4>().0.iter();
+                texels.map(|w| Self::Rgba32.fetch(w, 0)).collect()
+            }
+            Self::R32 => words.iter().map(|w| Self::R32.fetch(&[*w], 0)).collect(),
         }
     }
 
@@ -141,8 +164,9 @@ pub(crate) fn floats([r, g, b, a]: [u32; 4]) -> [f32; 4] {
     [r as f32, g as f32, b as f32, a as f32]
 }
 
+/// Unscaled values to the nearest whole numbers of 0 to `max`, halves up; NaN gives 0.
 #[inline(always)]
-fn rounded_words([r, g, b, a]: [f32; 4], max: f32) -> [u32; 4] {
+pub(crate) fn rounded_words([r, g, b, a]: [f32; 4], max: f32) -> [u32; 4] {
     [
         round_clamped(r, max),
         round_clamped(g, max),
@@ -151,15 +175,12 @@ fn rounded_words([r, g, b, a]: [f32; 4], max: f32) -> [u32; 4] {
     ]
 }
 
+// Selections and signed conversion: a row of texels takes lanes.
 #[inline(always)]
 fn round_clamped(x: f32, max: f32) -> u32 {
-    if x >= max {
-        max as u32
-    } else if x > 0.0 {
-        (x + 0.5) as u32
-    } else {
-        0
-    }
+    let x = if x > 0.0 { x } else { 0.0 };
+    let x = if x < max { x } else { max };
+    (x + 0.5) as i32 as u32
 }
 
 #[derive(Clone, Debug)]

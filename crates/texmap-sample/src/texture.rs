@@ -2,9 +2,9 @@ use crate::{
     error::SampleError,
     mip,
     texel_data::{Chain, Format, Level, TexelData, Words, scaled},
+    upload::upload,
 };
-use alloc::{sync::Arc, vec, vec::Vec};
-use texmap_math::color;
+use alloc::{vec, vec::Vec};
 
 /// Encoding of light in colour channels. Alpha is always linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -302,7 +302,7 @@ fn check_length(expected: usize, got: usize) -> Result<(), SampleError> {
 }
 
 /// 2^120: differences and sums of weights stay finite.
-const LIMIT: f32 = 1.329_228e36;
+pub(crate) const LIMIT: f32 = 1.329_228e36;
 
 fn check_finite(texels: &TexelData<'_>, width: u32, channels: u32) -> Result<(), SampleError> {
     let TexelData::F32(values) = texels else {
@@ -341,108 +341,5 @@ impl Image<'_> {
         check_length(count * channels as usize, texels.len())?;
         check_finite(&texels, width, channels)?;
         Ok(count)
-    }
-}
-
-/// Checks, decodes and packs `depth` images that stand one after the other.
-pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, SampleError> {
-    let Image { width, height, .. } = *image;
-    let count = image.check(depth)?;
-    let format = choose_format(image);
-    // A chain adds at most a third (2D) to the words; gather indices are 31-bit.
-    if count * format.words() > 3 << 28 {
-        return Err(SampleError::TooLarge { width, height });
-    }
-    let mut words = Vec::with_capacity(count * format.words());
-    let mut opaque = true;
-    let curve = Curve::new(image, count);
-    for i in 0..count {
-        let c = read_texel(image, &curve, i);
-        // The sRGB curve and the opacity of float texels may take them beyond the limit.
-        if !c.iter().all(|c| c.abs() <= LIMIT) {
-            let (x, y) = (i as u32 % width, i as u32 / width);
-            return Err(SampleError::Texel { x, y });
-        }
-        opaque &= c[3] >= 1.0;
-        format.push(&mut words, scaled(c, format.units()));
-    }
-    let level = Level {
-        offset: 0,
-        width: width as i32,
-        height: height as i32,
-        depth: depth as i32,
-    };
-    Ok(Chain {
-        words: Words::Owned(Arc::new(words)),
-        encoded: None,
-        format,
-        levels: vec![level],
-        flip: image.origin == Origin::BottomLeft,
-        opaque,
-    })
-}
-
-/// Linear light of every 16-bit sRGB value, where an image has more texels than there are values; else empty.
-struct Curve(Vec<f32>);
-
-impl Curve {
-    fn new(image: &Image<'_>, texels: usize) -> Self {
-        let asked = image.color == ColorSpace::Srgb && matches!(image.texels, TexelData::U16(_));
-        let count = if asked && texels > usize::from(u16::MAX) {
-            1 << 16
-        } else {
-            0
-        };
-        let all = (0..=u16::MAX).take(count);
-        Self(all.map(color::srgb16_to_linear).collect())
-    }
-
-    fn light(&self, c: u16) -> f32 {
-        let found = self.0.get(usize::from(c)).copied();
-        found.unwrap_or_else(|| color::srgb16_to_linear(c))
-    }
-}
-
-/// Texel `i`, linear and premultiplied.
-fn read_texel(image: &Image<'_>, curve: &Curve, i: usize) -> [f32; 4] {
-    let n = image.channels as usize;
-    let value = |k: usize| image.texels.value(i * n + k);
-    let light = |k: usize| match (image.color, image.texels) {
-        (ColorSpace::Linear, _) => value(k),
-        (ColorSpace::Srgb, TexelData::U8(t)) => color::srgb8_to_linear(t[i * n + k]),
-        (ColorSpace::Srgb, TexelData::U16(t)) => curve.light(t[i * n + k]),
-        (ColorSpace::Srgb, TexelData::F32(t)) => color::srgb_to_linear(t[i * n + k]),
-    };
-    let [r, g, b, a] = match (n, image.alpha) {
-        (1, _) => [light(0), light(0), light(0), 1.0],
-        (2, Alpha::Data) => [light(0), light(1), 0.0, 1.0],
-        (2, _) => [light(0), light(0), light(0), value(1)],
-        (3, _) => [light(0), light(1), light(2), 1.0],
-        _ => [light(0), light(1), light(2), value(3)],
-    };
-    if image.alpha == Alpha::Straight {
-        [r * a, g * a, b * a, a]
-    } else {
-        [r, g, b, a]
-    }
-}
-
-/// Bytes stay bytes when decoding and premultiplying change none of them.
-pub(crate) fn choose_format(image: &Image<'_>) -> Format {
-    match image.texels {
-        TexelData::F32(_) if image.channels == 1 => Format::R32,
-        TexelData::F32(_) => Format::Rgba32,
-        TexelData::U16(_) => Format::Rgba16,
-        TexelData::U8(_) if image.color == ColorSpace::Srgb => Format::Rgba16,
-        TexelData::U8(t) => {
-            let has_alpha = image.alpha == Alpha::Straight && image.channels.is_multiple_of(2);
-            let n = image.channels as usize;
-            let soft = |texel: &[u8]| !matches!(texel[n - 1], 0 | 255);
-            if has_alpha && t.chunks_exact(n).any(soft) {
-                Format::Rgba16
-            } else {
-                Format::Rgba8
-            }
-        }
     }
 }

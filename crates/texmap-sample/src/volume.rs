@@ -13,7 +13,8 @@ use crate::{
     mip,
     sampler::Sampler,
     texel_data::{Chain, scaled},
-    texture::{Image, Texture2d, upload},
+    texture::{Image, Texture2d},
+    upload::upload,
 };
 use texmap_math::simd::Scalar;
 
