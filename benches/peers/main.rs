@@ -1,12 +1,13 @@
 //! The race: the benchmark scenes drawn by texmap and by Mesa's llvmpipe, interleaved in one run.
 //!
 //! `cargo run --release -p texmap-benches --features peers --bin peers -- [--only a:b]
-//! [--threads 0,2] [--level NAME] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR]
+//! [--threads 0,2] [--level NAME] [--peer-bits N] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR]
 //! [--csv FILE] [--table FILE]`
 //!
 //! One child process a thread count and colour mode, since Mesa reads LP_NUM_THREADS once and a context here has one format of
 //! colours, and one more for the lit scenes: Mesa 22.3's anisotropic filter does not end in a process that has opened them.
-//! `--level` holds both to vectors of one width: texmap's SIMD level, Mesa's LP_NATIVE_VECTOR_WIDTH. 0 means that everything
+//! `--level` holds both to vectors of one width: texmap's SIMD level, Mesa's LP_NATIVE_VECTOR_WIDTH;
+//! `--peer-bits 256` serves where Mesa's 512 bits crash, as those of 22.3 with LLVM 15 do on some processors. 0 means that everything
 //! runs in the calling thread (texmap: one thread); the process is then pinned to one core. In every
 //! round each scene is drawn by both, one after the other; minima and medians pool the rounds. The
 //! pictures are compared before any time is: a row whose pictures differ by more than 1 of 255 on
@@ -34,6 +35,8 @@ struct Options {
     threads: Vec<usize>,
     /// texmap's SIMD level.
     level: Level,
+    /// Bits of Mesa's vectors, if not those of the level.
+    peer_bits: Option<u32>,
     rounds: usize,
     frames: usize,
     budget: Duration,
@@ -57,7 +60,7 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(why) => {
             eprintln!(
-                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--level NAME] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR] [--csv FILE] [--table FILE]"
+                "peers: {why}\nusage: peers [--only a:b] [--threads 0,2] [--level NAME] [--peer-bits N] [--rounds N] [--frames N] [--budget-ms N] [--mode NAME] [--alone] [--out DIR] [--csv FILE] [--table FILE]"
             );
             return ExitCode::from(2);
         }
@@ -73,7 +76,12 @@ fn main() -> ExitCode {
         .flat_map(|t| [false, true].map(|srgb| (*t, srgb)))
         .flat_map(|(t, srgb)| [false, true].map(|lit| (t, srgb, lit)));
     for (threads, srgb, lit) in children {
-        match run_child(options.level, threads, srgb, lit) {
+        match run_child(
+            options.peer_bits.unwrap_or(vector_bits(options.level)),
+            threads,
+            srgb,
+            lit,
+        ) {
             Ok(rows) => all.push_str(&rows),
             Err(why) => {
                 eprintln!("peers: {why}");
@@ -149,14 +157,14 @@ and buffers, not the making of meshes and images.
 ";
 
 /// One thread count in a process of its own; returns its CSV rows and passes on what it says.
-fn run_child(level: Level, threads: usize, srgb: bool, lit: bool) -> Result<String, String> {
+fn run_child(bits: u32, threads: usize, srgb: bool, lit: bool) -> Result<String, String> {
     let program = std::env::current_exe().map_err(|e| e.to_string())?;
     let output = Command::new(program)
         .args(std::env::args().skip(1))
         .args(["--child", &threads.to_string()])
         .args(lit.then_some("--lit"))
         .args(srgb.then_some("--srgb"))
-        .env("LP_NATIVE_VECTOR_WIDTH", vector_bits(level).to_string())
+        .env("LP_NATIVE_VECTOR_WIDTH", bits.to_string())
         .env("LP_NUM_THREADS", threads.to_string())
         .env("LIBGL_ALWAYS_SOFTWARE", "1")
         .env("MESA_SHADER_CACHE_DISABLE", "1")
@@ -461,6 +469,7 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
     let mut options = Options {
         only: None,
         threads: vec![0],
+        peer_bits: None,
         rounds: 3,
         frames: 30,
         budget: Duration::from_millis(1000),
@@ -496,6 +505,7 @@ fn parse(mut args: impl Iterator<Item = String>) -> Result<Options, String> {
             "--lit" => options.lit = true,
             "--srgb" => options.srgb = true,
             "--level" => options.level = level(&value()?)?,
+            "--peer-bits" => options.peer_bits = Some(number(value()?)? as u32),
             "--out" => options.out = Some(value()?.into()),
             "--table" => options.table = Some(value()?.into()),
             "--csv" => options.csv = Some(value()?.into()),

@@ -1,6 +1,8 @@
 //! The values that a mesh carries per vertex: those that its stages read, and no others.
 
 use std::borrow::Cow;
+
+use rayon::prelude::*;
 use texmap_math::narrow;
 use texmap_math::wide;
 
@@ -113,23 +115,11 @@ impl Vertices {
         if world_from_object.determinant() < 0.0 {
             triangles.to_mut().iter_mut().for_each(|t| t.swap(1, 2));
         }
-        let normals = if lit || needs(Values::Normal) {
-            mesh.world_normals()
-        } else {
-            Vec::new()
-        };
-        let points = match lit || needs(Values::Position) {
-            true => mesh
-                .positions
-                .iter()
-                .map(|p| world_from_object.transform_point3(wide(*p)))
-                .collect(),
-            false => Vec::new(),
-        };
+        let point = |v: usize| world_from_object.transform_point3(wide(mesh.positions[v]));
         let mut back_from = usize::MAX;
         // Triangles that show their back are lit on the other side of their vertices: a second set.
         if lit && scene.materials[mesh.material].cull != Cull::Back {
-            let away = facing_away(&points, &triangles, scene.camera.viewpoint());
+            let away = facing_away(point, &triangles, scene.camera.viewpoint());
             if away.contains(&true) {
                 back_from = positions.len();
                 positions.to_mut().extend_from_within(..);
@@ -143,17 +133,24 @@ impl Vertices {
                 }
             }
         }
+        let normal = (lit || needs(Values::Normal)).then(|| mesh.world_normal());
         let source = Source {
             scene,
             mesh,
-            normals,
-            points,
+            normal: |v: usize| normal.as_ref().map_or(DVec3::ZERO, |normal| normal(v)),
+            point,
             back_from,
             split,
         };
-        let mut attributes = Vec::with_capacity(positions.len() * self.attribute_count);
-        for vertex in 0..positions.len() {
-            source.push(&self.groups, vertex, lit, &mut attributes);
+        let mut attributes = vec![0.0; positions.len() * self.attribute_count];
+        if self.attribute_count > 0 {
+            let blocks = attributes.par_chunks_mut(VERTICES * self.attribute_count);
+            blocks.enumerate().for_each(|(block, values)| {
+                let vertices = values.chunks_exact_mut(self.attribute_count);
+                for (vertex, values) in (block * VERTICES..).zip(vertices) {
+                    source.fill(&self.groups, vertex, lit, values);
+                }
+            });
         }
         let (attribute_count, screen_linear) = (self.attribute_count, self.screen_linear);
         VertexData {
@@ -166,11 +163,15 @@ impl Vertices {
     }
 }
 
-struct Source<'s> {
+/// Vertices that a thread takes at once.
+const VERTICES: usize = 4096;
+
+/// A mesh with its normals and positions in world space, by vertex.
+struct Source<'s, N, P> {
     scene: &'s Scene,
     mesh: &'s Mesh,
-    normals: Vec<DVec3>,
-    points: Vec<DVec3>,
+    normal: N,
+    point: P,
     /// Vertices from here are those of back sides.
     back_from: usize,
     /// The vertices split by tangents, if tangents are among the values.
@@ -222,8 +223,9 @@ impl Split {
     }
 }
 
-impl Source<'_> {
-    fn push(&self, groups: &[Values], vertex: usize, lit: bool, out: &mut Vec<f32>) {
+impl<N: Fn(usize) -> DVec3, P: Fn(usize) -> DVec3> Source<'_, N, P> {
+    /// Writes the values of a vertex.
+    fn fill(&self, groups: &[Values], vertex: usize, lit: bool, out: &mut [f32]) {
         let back = vertex >= self.back_from;
         let part = vertex;
         let vertex = match &self.split {
@@ -238,40 +240,40 @@ impl Source<'_> {
         } else {
             Lighting::default()
         };
+        let mut rest = out;
         for group in groups {
+            let (values, after) = rest.split_at_mut(group.len());
+            rest = after;
             match group {
-                Values::Uv => out.extend(self.mesh.uvs[vertex]),
-                Values::Color => out.extend(tint),
-                Values::Lit => out.extend(terms.color(times(surface.color, tint))),
-                Values::Diffuse => out.extend(times(terms.diffuse, tint)),
-                Values::Highlight => out.extend(terms.highlight),
-                Values::Normal => out.extend(narrow(self.normals[vertex])),
-                Values::Position => out.extend(narrow(self.points[vertex])),
+                Values::Uv => values.copy_from_slice(&self.mesh.uvs[vertex]),
+                Values::Color => values.copy_from_slice(&tint),
+                Values::Lit => values.copy_from_slice(&terms.color(times(surface.color, tint))),
+                Values::Diffuse => values.copy_from_slice(&times(terms.diffuse, tint)),
+                Values::Highlight => values.copy_from_slice(&terms.highlight),
+                Values::Normal => values.copy_from_slice(&narrow((self.normal)(vertex))),
+                Values::Position => values.copy_from_slice(&narrow((self.point)(vertex))),
                 Values::Tangent(_) => {
                     let tangents = self.split.as_ref().map(|split| &split.tangents);
-                    out.extend(tangents.map_or([0.0; 4], |all| all[part]));
+                    values.copy_from_slice(&tangents.map_or([0.0; 4], |all| all[part]));
                 }
-                Values::LightMapUv => out.extend(self.mesh.lightmap_uvs[vertex]),
+                Values::LightMapUv => values.copy_from_slice(&self.mesh.lightmap_uvs[vertex]),
             }
         }
     }
 
     fn terms(&self, surface: &PhongMaterial, vertex: usize, back: bool) -> Lighting {
-        let normal = if back {
-            -self.normals[vertex]
-        } else {
-            self.normals[vertex]
-        };
+        let (normal, point) = ((self.normal)(vertex), (self.point)(vertex));
+        let normal = if back { -normal } else { normal };
         let eye = narrow(self.scene.camera.viewpoint());
         let mut terms = lighting(
             surface,
             &self.scene.lights,
-            narrow(self.points[vertex]),
+            narrow(point),
             narrow(normal),
             eye,
         );
         if let Some(map) = self.scene.materials[self.mesh.material].specular_map {
-            let view = (self.scene.camera.viewpoint() - self.points[vertex]).normalize_or_zero();
+            let view = (self.scene.camera.viewpoint() - point).normalize_or_zero();
             let light = self.scene.effects.environments[map]
                 .radiance(reflect(narrow(view), narrow(normal)));
             for (sum, c) in terms.highlight.iter_mut().zip(light) {
@@ -282,11 +284,11 @@ impl Source<'_> {
     }
 }
 
-fn facing_away(points: &[DVec3], triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool> {
+fn facing_away(point: impl Fn(usize) -> DVec3, triangles: &[[u32; 3]], eye: DVec3) -> Vec<bool> {
     triangles
         .iter()
         .map(|triangle| {
-            let [a, b, c] = triangle.map(|v| points[v as usize]);
+            let [a, b, c] = triangle.map(|v| point(v as usize));
             (b - a).cross(c - a).dot(eye - a) < 0.0
         })
         .collect()

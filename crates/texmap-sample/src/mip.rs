@@ -229,7 +229,8 @@ impl Pending {
         }
         let reduced = match (self.above.width % 2, self.above.height % 2) {
             (0, 0) => {
-                let [upper, lower] = [y0, y0 + 1].map(|j| self.rows[(j % 3) as usize].as_chunks().0);
+                let [upper, lower] =
+                    [y0, y0 + 1].map(|j| self.rows[(j % 3) as usize].as_chunks().0);
                 let blocks = upper.iter().zip(lower);
                 blocks.map(|([a, b], [c, d])| mean(a, b, c, d)).collect()
             }

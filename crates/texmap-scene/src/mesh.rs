@@ -156,11 +156,25 @@ impl Mesh {
     /// Unit normals of the vertices in world space by the inverse transpose; 0 where a vertex has none.
     #[must_use]
     pub fn world_normals(&self) -> Vec<DVec3> {
+        let count = match self.normals.len() {
+            0 => self.positions.len(),
+            count => count,
+        };
+        (0..count).map(self.world_normal()).collect()
+    }
+
+    /// [`world_normals`](Self::world_normals) one by one: a function of the vertex, which has to be one of the mesh.
+    pub fn world_normal(&self) -> impl Fn(usize) -> DVec3 + Sync {
         let matrix = self.normal_matrix();
-        self.object_normals()
-            .into_iter()
-            .map(|n| (matrix * n.normalize_or_zero()).normalize_or_zero())
-            .collect()
+        let means = match self.normals.is_empty() {
+            true => self.object_normals(),
+            false => Vec::new(),
+        };
+        move |vertex| {
+            let given = self.normals.get(vertex).map(|n| wide(*n));
+            let normal = given.unwrap_or_else(|| means[vertex]);
+            (matrix * normal.normalize_or_zero()).normalize_or_zero()
+        }
     }
 
     /// Unit normals of the triangles' planes in world space, 0 for triangles without area: what the bias of a shadow is measured against.

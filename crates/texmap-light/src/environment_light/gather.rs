@@ -236,7 +236,8 @@ impl Texels {
                 if bits != 0 {
                     near.push((k * LANES + at, bits));
                 }
-                if !local {
+                // Half of all patches lie behind the axis, where no kernel that is not local weighs anything.
+                if !local && (far & c.simd_gt(i.f32(0.0))).any_true() {
                     let weight = far.select(kernel.weight(i, c), i.f32(0.0));
                     means.add::<I, GREY>(i, at, weight, &mut lanes);
                 }

@@ -32,7 +32,7 @@ pub(crate) struct SurfaceEffects<'s> {
     pub(crate) light_map: Option<(&'s LightMapSlot, Slot<'s>, usize)>,
     /// True if the model of light reads the direction to the eye for any lights.
     sees_eye: bool,
-    /// Unit normals of the triangles' planes, world space.
+    /// Unit normals of the triangles' planes, world space; empty where there are neither shadows nor projectors, which alone read them.
     pub(crate) planes: Vec<DVec3>,
     /// The lights that are not baked, by their number.
     pub(crate) lights: Vec<(usize, Light)>,
@@ -82,7 +82,10 @@ impl<'s> SurfaceEffects<'s> {
                 .zip(lightmap_uv)
                 .map(|(map, first)| (map, slot(&map.slot), first)),
             sees_eye: material.metallic_roughness.is_some(),
-            planes: mesh.triangle_normals(),
+            planes: match ready.is_plain() {
+                true => Vec::new(),
+                false => mesh.triangle_normals(),
+            },
             lights: lights.filter(|(index, _)| !baked(*index)).collect(),
         }))
     }
@@ -97,9 +100,9 @@ impl<'s> SurfaceEffects<'s> {
     }
 
     /// Normal of a triangle's plane on the side that is seen.
-    pub(crate) fn plane(&self, triangle: u32, front: bool) -> DVec3 {
-        let plane = self.planes[triangle as usize];
-        if front { plane } else { -plane }
+    pub(crate) fn plane(&self, triangle: u32, front: bool) -> Option<DVec3> {
+        let plane = *self.planes.get(triangle as usize)?;
+        Some(if front { plane } else { -plane })
     }
 }
 

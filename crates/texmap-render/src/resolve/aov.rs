@@ -72,7 +72,7 @@ fn aov_values(
         Aov::Position => surface.position.map(|first| three(fragment, first)),
         Aov::Shadow(light) => surface.effects.as_ref().and_then(|effects| {
             let point = three(fragment, surface.position?);
-            let plane = effects.plane(triangle, fragment.front);
+            let plane = effects.plane(triangle, fragment.front)?;
             let share = plan.ready.shadow(usize::from(light), point, plane)?;
             Some([share, hole, hole])
         }),

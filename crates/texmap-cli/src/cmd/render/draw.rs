@@ -351,7 +351,16 @@ impl Context<'_> {
         let mut stage = Stage::new(&main)?;
         let names: Vec<&str> = self.args.aov.iter().map(|aov| aov.name.as_str()).collect();
         let picture = stage.add(main, store.format.ending());
-        let lost = store.write(&picture, frame, &names)?;
+        // The hash takes as long as the compression of a picture.
+        let alone = self.args.threads == Some(1);
+        let (lost, hash) = std::thread::scope(|scope| {
+            let hash = || texmap_render::pixel_hash(frame);
+            let beside = (!alone).then(|| scope.spawn(hash));
+            let lost = store.write(&picture, frame, &names);
+            let hashed = beside.and_then(|thread| thread.join().ok());
+            (lost, hashed.unwrap_or_else(hash))
+        });
+        let lost = lost?;
         for (name, (_, channels, data)) in names.iter().zip(&frame.aovs) {
             let shape = [frame.height as usize, frame.width as usize, *channels];
             let path = match store.holds_arrays() {
@@ -395,7 +404,6 @@ impl Context<'_> {
                 store.format.ending().to_uppercase()
             ));
         }
-        let hash = texmap_render::pixel_hash(frame);
         self.finish(report, (frame.width, frame.height), hash, times);
         Ok(())
     }
