@@ -1,5 +1,6 @@
 //! Mip chains.
 
+use crate::encoded::Encoded;
 use crate::texel_data::{Chain, Format, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
 use texmap_math::float::sqrt_f32;
@@ -104,8 +105,16 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
 fn decoded(base: Chain<'_>) -> Vec<u32> {
     let (count, format) = (texels(&base.levels[0]), base.format);
     let mut words = owned(base.words);
+    if base.encoded.is_some() {
+        words.clear();
+    }
     match base.encoded {
-        Some(encoded) => (0..count).for_each(|i| format.push(&mut words, encoded.fetch(i))),
+        Some(encoded) => {
+            let Level { width, height, .. } = base.levels[0];
+            for y in 0..height {
+                (0..width).for_each(|x| format.push(&mut words, encoded.base_texel(width, x, y)));
+            }
+        }
         None => words.truncate(count * format.words()),
     }
     words
@@ -161,10 +170,10 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
             .collect();
         for y in 0..first.height {
             let start = (z * first.height + y) as usize * first.width as usize;
-            let mut row: Vec<[f32; 4]> = (start..start + first.width as usize)
-                .map(|i| match &encoded {
-                    Some(encoded) => encoded.fetch(i),
-                    None => format.fetch(source, i * format.words()),
+            let mut row: Vec<[f32; 4]> = (0..first.width)
+                .map(|x| match &encoded {
+                    Some(encoded) => encoded.base_texel(first.width, x, y),
+                    None => format.fetch(source, (start + x as usize) * format.words()),
                 })
                 .collect();
             let mut at = y;
@@ -188,6 +197,14 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
             }
         }
     }
+    let encoded = match encoded {
+        Some(Encoded::Blocks(blocks)) => {
+            let blocks = blocks.base(&first);
+            words = blocks.append(&mut levels, &words);
+            Some(Encoded::Blocks(blocks))
+        }
+        encoded => encoded,
+    };
     Chain {
         words: Words::Owned(Arc::new(words)),
         encoded,
