@@ -178,16 +178,21 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
     }
     // A bump turns the normal; its bends are left to its own texels.
     let mirrored = at.view.mirrored(normal, at.normal.length(), at.turns);
-    let light = |index: usize| {
+    let light = |index: usize, ray: &Ray| {
         let sphere = world.environments[index].as_ref();
-        sphere.map_or(DVec3::ZERO, |sphere| sphere.light(&mirrored))
+        sphere.map_or(DVec3::ZERO, |sphere| sphere.light(ray))
     };
     if let Some(reflection) = material.reflection {
         let map = surface.reflectivity.as_ref();
         let share = map.map_or(1.0, |slot| slot.straight(at.place).x);
-        sum.specular += light(reflection.environment) * share * f64::from(reflection.reflectivity);
+        let led = match &reflection.within {
+            Some(walls) => mirrored.led_to(walls, at.position, at.moves),
+            None => mirrored,
+        };
+        let seen = light(reflection.environment, &led);
+        sum.specular += seen * share * f64::from(reflection.reflectivity);
     }
     if let Some(map) = material.specular_map {
-        sum.specular += light(map) * f64::from(material.phong.ks);
+        sum.specular += light(map, &mirrored) * f64::from(material.phong.ks);
     }
 }
