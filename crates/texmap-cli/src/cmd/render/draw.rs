@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use texmap_bake::GroundShadow;
+use texmap_bake::{GroundShadow, MovingLight};
 use texmap_io::framing::Up;
 use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, LoadOptions, PictureFormat, npy};
@@ -19,9 +19,10 @@ use texmap_scene::{Scene, SceneError};
 use texmap_truth::picture::Picture;
 use texmap_truth::verify::{Verified, verify, with_wrap};
 
+use crate::cmd::bake::{GUTTER, PCF_SIZE, SHADOW_SIZE};
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
-use crate::cmd::render::camera::{CameraFiles, is_scene, shots};
+use crate::cmd::render::camera::{CameraFiles, Shot, is_scene, moving, shots};
 use crate::cmd::render::light::Lit;
 use crate::cmd::render::plan::{Item, Kind, array_name, heat_name};
 use crate::cmd::render::report::{
@@ -87,6 +88,14 @@ pub(crate) fn item(
         },
         placed: !scene_file && args.camera.is_placed(),
         load,
+        moving: match args.camera.light_path {
+            Some(_) => {
+                let light = moving(&args.camera, &scene)?;
+                let baked = MovingLight::new(&scene, light, SHADOW_SIZE, PCF_SIZE, GUTTER);
+                Some(baked.map_err(refused_map)?)
+            }
+            None => None,
+        },
         told: RefCell::default(),
     };
     let shots = shots(args, file, &scene, cameras)?;
@@ -120,12 +129,17 @@ pub(crate) fn item(
         Kind::Series(names) => {
             let all = shots.iter().zip(names).zip(0..);
             let pictures = all.map(|((shot, name), number)| {
-                scene.camera = shot.camera;
+                context.set(&mut scene, shot)?;
                 context.picture(&scene, name.clone(), Some((number, shots.len(), shot)))
             });
             pictures.collect()
         }
     }
+}
+
+fn refused_map(error: texmap_render::RenderError) -> Failure {
+    let why = "bake the light maps without the light that moves: texmap bake --except LIGHT";
+    Failure::of_render(error, None, why)
 }
 
 /// The options that an input is loaded with.
@@ -209,11 +223,22 @@ pub(super) struct Context<'a> {
     pub(super) placed: bool,
     /// Milliseconds that loading took.
     pub(super) load: f64,
+    /// The light that moves from picture to picture.
+    pub(super) moving: Option<MovingLight>,
     /// Warnings printed so far: the frames of a walk repeat them.
     pub(super) told: RefCell<BTreeSet<String>>,
 }
 
 impl Context<'_> {
+    /// Puts the camera, and the light that moves, where they stand in a picture.
+    pub(super) fn set(&self, scene: &mut Scene, shot: &Shot) -> Result<(), Failure> {
+        scene.camera = shot.camera;
+        match (&self.moving, shot.light) {
+            (Some(moving), Some(light)) => moving.place(scene, light).map_err(|e| self.refused(e)),
+            _ => Ok(()),
+        }
+    }
+
     /// The frame, and the planner's choice for it if there is a budget.
     /// `light` asks for the colours before they are encoded.
     pub(super) fn draw(

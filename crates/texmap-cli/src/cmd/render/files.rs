@@ -153,7 +153,7 @@ impl Context<'_> {
         let mut times = TimesReport::new(self.load);
         let mut frames = Vec::with_capacity(shots.len());
         for (shot, number) in shots.iter().zip(1..) {
-            scene.camera = shot.camera;
+            self.set(scene, shot)?;
             let label = format!("{} {number}/{}", self.label(), shots.len());
             frames.push(self.cell(&mut report, &mut times, scene, label)?.rgba);
         }

@@ -95,6 +95,7 @@ pub(crate) fn items(
         outputs.extend(mine.into_iter().map(|(path, _)| path));
     }
     let read = inputs.iter().chain(read).chain(&args.camera.path);
+    let read = read.chain(&args.camera.light_path);
     let read = read.chain(&args.camera.cameras).chain(&args.look.texture);
     let read = read.map(PathBuf::as_path).chain(args.light.picture());
     distinct(outputs, read)?;
