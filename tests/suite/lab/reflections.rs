@@ -6,7 +6,7 @@ use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::{RenderSettings, no_progress, render};
 use texmap_scene::{Emission, Material, Mesh, Reflection, Scene, Shading};
-use texmap_truth::frame;
+use texmap_truth::{frame, frame_by_rays};
 
 const HALF: f32 = 2.0;
 
@@ -103,6 +103,69 @@ fn a_point_sees_the_walls_in_linear_light() {
     assert!(most.iter().all(|c| *c <= 1.0), "{most:?}");
     assert!(capture_environment_at(&scene, point, &[6], 16).is_err());
     assert!(capture_environment_at(&scene, DVec3::NAN, &[], 16).is_err());
+}
+
+/// Mirror rays show the room itself: a mirror that leads its rays to the walls shows what they meet, and an environment that is infinitely
+/// far does not.
+#[test]
+fn led_mirrors_show_what_rays_meet() {
+    let mut scene = room();
+    // Nothing is clipped on the way: light ends at 1.
+    for material in &mut scene.materials {
+        if let Some(emission) = &mut material.emission {
+            emission.color = emission.color.map(|c| c.min(0.9));
+        }
+    }
+    let center = [0.0, 0.2, -0.1];
+    let seen = capture_environment_at(&scene, DVec3::from(center.map(f64::from)), &[], 256);
+    scene.effects.environments.push(seen.unwrap());
+    let walls = ReflectionBox {
+        low: [-HALF; 3],
+        high: [HALF; 3],
+        center,
+    };
+    let reflection = |within| {
+        Some(Reflection {
+            environment: 0,
+            reflectivity: 1.0,
+            within,
+        })
+    };
+    scene.materials.push(Material {
+        phong: texmap_light::PhongMaterial {
+            color: [0.0; 3],
+            ..Default::default()
+        },
+        reflection: reflection(Some(walls)),
+        ..Material::default()
+    });
+    let mut ball = Mesh::sphere(32, 16);
+    ball.world_from_object = texmap_math::glam::DMat4::from_scale_rotation_translation(
+        DVec3::splat(0.5),
+        Default::default(),
+        DVec3::new(0.9, -0.2, 0.1),
+    );
+    ball.material = 6;
+    scene.meshes.push(ball);
+    let size = (64, 48);
+    let traced = frame_by_rays(&scene, size.0, size.1, 1).unwrap();
+    let differing = |scene: &Scene| {
+        let mapped = frame(scene, size.0, size.1, 1).unwrap();
+        let codes = mapped.codes().into_iter().zip(traced.codes());
+        codes.filter(|(a, b)| (a - b).abs() > 8.0).count()
+    };
+    // Walls of one colour each differ at their edges alone.
+    let led = differing(&scene);
+    scene.materials[6].reflection = reflection(None);
+    let far = differing(&scene);
+    assert!(led * 5 < far && far > 500, "{led} {far}");
+    let plain = frame(&room(), size.0, size.1, 1).unwrap();
+    let same = frame_by_rays(&room(), size.0, size.1, 1).unwrap();
+    assert_eq!(
+        plain.codes(),
+        same.codes(),
+        "without mirrors nothing changes"
+    );
 }
 
 /// A mirror that leads its rays to the walls is that of the f64 frame, and without the walls it is another picture.

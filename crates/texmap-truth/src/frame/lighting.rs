@@ -47,6 +47,8 @@ pub(super) struct Point {
     pub(super) tangent: (DVec3, f64),
     /// To the eye.
     pub(super) view: Ray,
+    /// Seen in a mirror.
+    pub(super) mirrored: bool,
 }
 
 /// One light on a point, with nothing in its way: colour, and the shares of it that go into the two terms. `view` has unit length.
@@ -189,7 +191,10 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
             Some(walls) => mirrored.led_to(walls, at.position, at.moves),
             None => mirrored,
         };
-        let seen = light(reflection.environment, &led);
+        let seen = match world.traces && !at.mirrored {
+            true => world.traced(at, &mirrored),
+            false => light(reflection.environment, &led),
+        };
         sum.specular += seen * share * f64::from(reflection.reflectivity);
     }
     if let Some(map) = material.specular_map {

@@ -24,7 +24,7 @@ use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
 use crate::cmd::render::camera::{CameraFiles, Shot, is_scene, moving, shots};
 use crate::cmd::render::light::Lit;
-use crate::cmd::render::plan::{Item, Kind, array_name, heat_name};
+use crate::cmd::render::plan::{Item, Kind, array_name, heat_name, rays_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, ItemReport, SceneReport, TimesReport, milliseconds,
 };
@@ -284,7 +284,8 @@ impl Context<'_> {
         // Those of the user come first: they are written.
         let further = [
             (light, Aov::Color),
-            (self.args.json, Aov::Mesh),
+            (self.args.json || self.args.compare.is_some(), Aov::Mesh),
+            (self.args.compare.is_some(), Aov::Position),
             (self.args.look.wireframe, Aov::Depth),
         ];
         for (wanted, aov) in further {
@@ -369,6 +370,7 @@ impl Context<'_> {
         frame: &Frame,
         store: Store,
         heat: Option<&Picture>,
+        rays: Option<&Picture>,
         mut times: TimesReport,
     ) -> Result<(), Failure> {
         let began = Instant::now();
@@ -409,6 +411,14 @@ impl Context<'_> {
             texmap_io::image_io::write_png(&place, heat.width(), heat.height(), heat.rgba())?;
             if let Some(truth) = &mut report.truth {
                 truth.heat = Some(path.display().to_string());
+            }
+        }
+        if let Some(rays) = rays {
+            let path = rays_name(output);
+            let place = stage.add(Destination::new(&path)?, "png");
+            texmap_io::image_io::write_png(&place, rays.width(), rays.height(), rays.rgba())?;
+            if let Some(report) = &mut report.rays {
+                report.picture = Some(path.display().to_string());
             }
         }
         stage.commit()?;
@@ -508,7 +518,7 @@ impl Context<'_> {
             .into_owned()
     }
 
-    fn refused(&self, error: impl Into<Refusal>) -> Failure {
+    pub(super) fn refused(&self, error: impl Into<Refusal>) -> Failure {
         Failure::of_render(
             error,
             Some(&self.item.input.display().to_string()),
