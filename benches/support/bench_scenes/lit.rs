@@ -107,6 +107,7 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
                 reflection: Some(Reflection {
                     environment: 0,
                     reflectivity: 1.0,
+                    within: None,
                 }),
                 cull: Cull::Back,
                 ..Material::default()

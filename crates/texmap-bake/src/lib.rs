@@ -26,13 +26,15 @@
 //! ```
 //!
 //! # Limits
-//! Direct light alone. Captured environments hold the 8 bits of frames.
+//! Direct light alone. Environments of meshes hold the 8 bits of frames, those of points linear light.
 #![forbid(unsafe_code)]
 
 mod environment;
 mod ground_shadow;
 mod light_map;
+mod moving_light;
 
-pub use environment::capture_environment;
+pub use environment::{capture_environment, capture_environment_at, center_of};
 pub use ground_shadow::GroundShadow;
 pub use light_map::{BakeOptions, LightMap, bake};
+pub use moving_light::MovingLight;

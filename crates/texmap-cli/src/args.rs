@@ -35,10 +35,13 @@ pub(crate) enum Verb {
     Warp(Box<cmd::warp::WarpArgs>),
     Sample(cmd::sample::SampleArgs),
     Mip(cmd::mip::MipArgs),
+    #[cfg(feature = "gpu-images")]
+    Compress(cmd::compress::CompressArgs),
     Stability(cmd::stability::StabilityArgs),
     Chart(cmd::chart::ChartArgs),
     Env(cmd::env::EnvArgs),
     Bake(Box<cmd::bake::BakeArgs>),
+    Depth(cmd::depth::DepthArgs),
     Slice(cmd::slice::SliceArgs),
     Completions(cmd::manual::CompletionsArgs),
     Man(cmd::manual::ManArgs),
@@ -59,9 +62,12 @@ impl Verb {
             Self::Warp(a) => a.json,
             Self::Sample(a) => a.json,
             Self::Mip(a) => a.json,
+            #[cfg(feature = "gpu-images")]
+            Self::Compress(a) => a.json,
             Self::Chart(a) => a.json,
             Self::Env(a) => a.json,
             Self::Bake(a) => a.json,
+            Self::Depth(a) => a.json,
             Self::Slice(a) => a.json,
             Self::Completions(_) | Self::Man(_) => false,
         }

@@ -76,10 +76,13 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Warp(args) => cmd::warp::run(&args),
         Verb::Sample(args) => cmd::sample::run(&args),
         Verb::Mip(args) => cmd::mip::run(&args),
+        #[cfg(feature = "gpu-images")]
+        Verb::Compress(args) => cmd::compress::run(&args),
         Verb::Stability(args) => cmd::stability::run(&args),
         Verb::Chart(args) => cmd::chart::run(&args),
         Verb::Env(args) => cmd::env::run(&args),
         Verb::Bake(args) => cmd::bake::run(&args),
+        Verb::Depth(args) => cmd::depth::run(&args),
         Verb::Slice(args) => cmd::slice::run(&args),
         Verb::Completions(args) => cmd::manual::completions(&args),
         Verb::Man(args) => cmd::manual::man(&args),

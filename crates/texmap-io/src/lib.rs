@@ -40,10 +40,13 @@ mod files;
 mod font;
 pub mod framing;
 mod gltf;
+#[cfg(feature = "gpu-images")]
+mod gpu_image;
 mod grids;
 mod held;
 pub mod image_io;
 mod info;
+mod light_path;
 mod models;
 pub mod npy;
 mod obj;
@@ -63,10 +66,13 @@ pub use error::{IoError, SourceLocation, plain, plain_json, shortened, shown};
 pub use exr_layers::{ExrLayer, write_exr};
 pub use files::FileSource;
 pub use font::built_in_font;
+#[cfg(feature = "gpu-images")]
+pub use gpu_image::{Compression, CompressionQuality, compress, compress_texture};
 pub use grids::read_grid;
 pub use info::{
     AnimationInfo, CameraInfo, ExtensionInfo, FileInfo, MeshInfo, NamedFile, info, info_with,
 };
+pub use light_path::{LightKeyframe, LightPath};
 pub use obj::ObjText;
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 pub use scene::{LoadOptions, load, load_bytes, load_model, load_scene};

@@ -184,7 +184,7 @@ impl Textures {
             let read = self.read(&path, &location, content);
             (
                 (path, content),
-                read.map(|(texture, size)| (texture.with_mips(), size)),
+                read.map(|(texture, size)| (with_levels(texture), size)),
             )
         };
         let read: Vec<_> = new.into_par_iter().map(read).collect();
@@ -206,7 +206,7 @@ impl Textures {
         let ahead = self.ahead.remove(&key);
         let read = ahead.unwrap_or_else(|| {
             let (texture, size) = self.read(path, location, content)?;
-            Ok((texture.with_mips(), size))
+            Ok((with_levels(texture), size))
         });
         let texture = match read {
             Ok((texture, size)) => {
@@ -291,8 +291,6 @@ impl Textures {
         location: &SourceLocation,
         content: Content,
     ) -> Result<Decoded, IoError> {
-        let image = image_io::read_named(&self.source, path, Some(location))?;
-        let bits = image.texels.bits();
         let linear = match content {
             Content::Color => self.raw,
             Content::Light => false,
@@ -303,6 +301,13 @@ impl Textures {
         } else {
             ColorSpace::Srgb
         };
+        #[cfg(feature = "gpu-images")]
+        if let Some(texture) = image_io::block_texture(&self.source, path, Some(location), color)? {
+            let size = (texture.width(), texture.height(), 8);
+            return Ok((texture, size));
+        }
+        let image = image_io::read_named(&self.source, path, Some(location))?;
+        let bits = image.texels.bits();
         // Eight bytes a texel, sixteen of floats, and a third more for the mip chain.
         let size = (image.width, image.height);
         let kept = if bits == 32 { 22 } else { 11 };
@@ -324,6 +329,14 @@ impl Textures {
                 found,
             });
         }
+    }
+}
+
+/// With a mip chain: that of its file, if it has one.
+fn with_levels(texture: Texture2d<'static>) -> Texture2d<'static> {
+    match texture.levels() {
+        1 => texture.with_mips(),
+        _ => texture,
     }
 }
 

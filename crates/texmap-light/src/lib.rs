@@ -85,6 +85,7 @@ pub use projector_texture::{
     BoundProjectorTexture, ProjectorBorder, ProjectorTexture, projector_texel,
 };
 pub use punctual::LightCone;
+pub use reflect::ReflectionBox;
 pub use shade::{
     illuminate, illuminate_slice, illuminate_two_sided, lighting, lighting_slice,
     shade_with_visibility,

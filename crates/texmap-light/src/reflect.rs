@@ -1,6 +1,6 @@
 //! The mirrored view, and its change from pixel to pixel.
 
-use texmap_math::simd::{Isa, Number};
+use texmap_math::simd::{Isa, prelude::*};
 
 use crate::lanes::Vector;
 use crate::vector::dot;
@@ -69,13 +69,112 @@ fn change<I: Isa>(
     out
 }
 
+/// A box whose walls a mirror shows: an environment holds them as they are seen from the `center` of its capture, and a ray from another
+/// point is led to the wall that it meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReflectionBox {
+    /// Least corner of the box, in the world.
+    pub low: [f32; 3],
+    /// Greatest corner.
+    pub high: [f32; 3],
+    /// The point from which the environment was captured, within the box.
+    pub center: [f32; 3],
+}
+
+impl ReflectionBox {
+    /// The direction from the centre to the wall that `ray` meets from a position, with its change; `ray` where the position is not in the
+    /// box. Neither ray nor result need have length 1. Source: Lagarde and Zanuttini 2012, "Local image-based lighting with
+    /// parallax-corrected cubemaps".
+    ///
+    /// With t the least of `(wall - P) / R` over the axes and H = P + t R: `dt = -(dP + t dR) / R` on the axis of the wall, and the change of
+    /// H - C is `dP + t dR + dt R`.
+    #[inline(always)]
+    pub fn led<I: Isa>(&self, i: I, position: &RayLanes<I>, ray: &RayLanes<I>) -> RayLanes<I> {
+        let (p, r) = (position.direction, ray.direction);
+        let mut t = i.f32(f32::MAX);
+        // The axis of the wall: ray, and the changes of position and ray along it.
+        let mut along = [i.f32(1.0), t, t, t, t];
+        for k in 0..3 {
+            let ahead = r[k].simd_gt(0.0);
+            let wall = ahead.select(i.f32(self.high[k]), i.f32(self.low[k]));
+            let reach = (wall - p[k]) / r[k];
+            // Rays along a wall never meet it: their reach is no number or infinite.
+            let nearer = reach.simd_lt(t);
+            t = nearer.select(reach, t);
+            let here = [r[k], position.dx[k], position.dy[k], ray.dx[k], ray.dy[k]];
+            for c in 0..5 {
+                along[c] = nearer.select(here[c], along[c]);
+            }
+        }
+        let [r_wall, px, py, rx, ry] = along;
+        let inside = t.simd_gt(0.0) & t.simd_lt(f32::MAX);
+        let tx = -(px + t * rx) / r_wall;
+        let ty = -(py + t * ry) / r_wall;
+        let mut out = *ray;
+        for k in 0..3 {
+            let hit = (p[k] - self.center[k]) + t * r[k];
+            out.direction[k] = inside.select(hit, r[k]);
+            let dx = position.dx[k] + t * ray.dx[k] + tx * r[k];
+            let dy = position.dy[k] + t * ray.dy[k] + ty * r[k];
+            out.dx[k] = inside.select(dx, ray.dx[k]);
+            out.dy[k] = inside.select(dy, ray.dy[k]);
+        }
+        out
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::ReflectionBox;
     use crate::{Ray, reflect_across};
     use texmap_math::glam::DVec3;
+    use texmap_math::simd::Scalar;
 
     fn wide(v: [f32; 3]) -> DVec3 {
         DVec3::from(v.map(f64::from))
+    }
+
+    /// Rays are led to the wall that they meet, and change as their neighbours say; from outside of the box they stay as they are.
+    #[test]
+    fn rays_end_on_the_walls() {
+        let walls = ReflectionBox {
+            low: [-2.0, -1.0, -3.0],
+            high: [2.0, 3.0, 1.0],
+            center: [0.0, 1.0, -1.0],
+        };
+        let (p, dp) = (DVec3::new(0.5, 0.2, -0.3), DVec3::new(0.1, -0.2, 0.05));
+        let (r, dr) = (DVec3::new(0.4, 0.9, -0.6), DVec3::new(-0.3, 0.2, 0.5));
+        // The wall y = 3 is the nearest along r.
+        let led = |t: f64| {
+            let (p, r) = (p + dp * t, r + dr * t);
+            p + r * ((3.0 - p.y) / r.y) - DVec3::new(0.0, 1.0, -1.0)
+        };
+        let narrow = |v: DVec3| v.to_array().map(|c| c as f32);
+        let ray = |v: DVec3, dv: DVec3| Ray {
+            direction: narrow(v),
+            dx: narrow(dv),
+            dy: [0.0; 3],
+        };
+        let found = walls.led(Scalar, &ray(p, dp), &ray(r, dr));
+        let slope = (led(1e-5) - led(-1e-5)) / 2e-5;
+        assert!(
+            (wide(found.direction) - led(0.0)).length() < 1e-5,
+            "{found:?}"
+        );
+        assert!(
+            (wide(found.dx) - slope).length() < 1e-4,
+            "{found:?} {slope}"
+        );
+        assert_eq!(found.dy, [0.0; 3]);
+        // From the centre a ray keeps its direction; from elsewhere it does not.
+        let middle = walls.led(Scalar, &ray(wide(walls.center), dp), &ray(r, dr));
+        let turn = |a: [f32; 3]| wide(a).normalize().dot(r.normalize());
+        assert!(turn(middle.direction) > 1.0 - 1e-6 && turn(found.direction) < 0.995);
+        let outside = walls.led(Scalar, &ray(DVec3::new(0.0, 5.0, 0.0), dp), &ray(r, dr));
+        assert_eq!(outside, ray(r, dr));
+        // A ray along an axis meets the wall of that axis.
+        let along = walls.led(Scalar, &ray(p, dp), &ray(DVec3::Z, dr));
+        assert_eq!(along.direction[2], 2.0);
     }
 
     /// The change of a mirrored ray against mirrored neighbours.

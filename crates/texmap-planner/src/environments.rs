@@ -90,6 +90,7 @@ mod tests {
             reflection: Some(Reflection {
                 environment: 0,
                 reflectivity: 0.5,
+                within: None,
             }),
             specular_map: Some(1),
             ..Material::default()

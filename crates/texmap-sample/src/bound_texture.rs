@@ -5,6 +5,8 @@ use crate::{
         lod::LodRange,
         wrap::{Axis, REACH, Wrap},
     },
+    blocks::BlockView,
+    encoded::Encoded,
     fetch::Apart,
     filter::{Kernel, ewa, gl_of},
     rgba8,
@@ -22,6 +24,8 @@ pub const RGBA8_EXACT: u8 = 1;
 pub const RGBA16: u8 = 2;
 /// Floats, and bytes that are decoded at each look-up. Texels are fetched one by one, and filtered in lanes.
 pub const SCALAR_FETCH: u8 = 3;
+/// Compressed blocks, decoded in lanes; texels are addressed in block order.
+pub const BLOCKS: u8 = 5;
 /// No format of a view but of kernels: any of those with f32 weights, asked for at each texel. Rare filters have one compiled form.
 pub const ANY: u8 = 4;
 
@@ -31,6 +35,7 @@ pub(crate) fn exact_format(chain: &Chain<'_>) -> u8 {
     match chain.format {
         Format::Rgba8 => RGBA8_EXACT,
         Format::Rgba16 if chain.encoded.is_none() => RGBA16,
+        _ if matches!(chain.encoded, Some(Encoded::Blocks(_))) => BLOCKS,
         _ => SCALAR_FETCH,
     }
 }
@@ -44,6 +49,7 @@ pub struct BoundTexture<'a> {
     pub(crate) chain: &'a Chain<'a>,
     pub(crate) words: GatherTable<'a>,
     pub(crate) apart: Apart<'a>,
+    pub(crate) blocks: Option<BlockView<'a>>,
     /// [`RGBA8`] and so on.
     pub format: u8,
     /// Every alpha is exactly one, and no texel is the border.
@@ -150,6 +156,10 @@ impl<'a> BoundTexture<'a> {
             // An encoded texture without levels has no words.
             words: GatherTable::new(chain.words()).or_else(|| GatherTable::new(&[0]))?,
             apart: Apart::new(chain),
+            blocks: match &chain.encoded {
+                Some(Encoded::Blocks(blocks)) => blocks.view(),
+                _ => None,
+            },
             format,
             // Floats may be above one, which is opaque and yet no constant.
             opaque: chain.opaque && !bordered && chain.format != Format::Rgba32,

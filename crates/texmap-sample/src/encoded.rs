@@ -1,6 +1,7 @@
 //! Images that stay as their files hold them: decoded at each look-up instead of once.
 
 use crate::{
+    blocks::{Blocks, block_order},
     error::SampleError,
     texel_data::{Chain, Format, Level, TexelData, Words, floats},
     texture::{Alpha, ColorSpace, Image, Origin, Texture2d},
@@ -8,9 +9,18 @@ use crate::{
 };
 use alloc::{sync::Arc, vec, vec::Vec};
 
+/// Levels that are not among the words of their chain.
+#[derive(Clone, Debug)]
+pub(crate) enum Encoded {
+    /// Level 0.
+    Bytes(EncodedBytes),
+    /// Level 0, or all levels of a file.
+    Blocks(Blocks),
+}
+
 /// Bytes of a picture as level 0 of a chain of 16-bit levels.
 #[derive(Clone, Debug)]
-pub(crate) struct Encoded {
+pub(crate) struct EncodedBytes {
     bytes: Arc<Vec<u8>>,
     /// 1 to 4 a texel; the alpha of two and four is straight.
     channels: usize,
@@ -18,6 +28,16 @@ pub(crate) struct Encoded {
 }
 
 impl Encoded {
+    /// Unscaled texel of level 0.
+    pub(crate) fn base_texel(&self, width: i32, x: i32, y: i32) -> [f32; 4] {
+        match self {
+            Self::Bytes(bytes) => bytes.fetch(y as usize * width as usize + x as usize),
+            Self::Blocks(blocks) => blocks.fetch(block_order(width, x, y)),
+        }
+    }
+}
+
+impl EncodedBytes {
     /// [`decode`](Self::decode) out of line: every filter fetches texels.
     #[inline(never)]
     pub(crate) fn fetch(&self, i: usize) -> [f32; 4] {
@@ -80,7 +100,7 @@ impl Texture2d<'static> {
             height: height as i32,
             depth: 1,
         };
-        let encoded = Encoded {
+        let encoded = EncodedBytes {
             bytes: Arc::new(texels),
             channels: n,
             color,
@@ -88,7 +108,7 @@ impl Texture2d<'static> {
         Ok(Self {
             chain: Chain {
                 words: Words::Owned(Arc::new(Vec::new())),
-                encoded: Some(encoded),
+                encoded: Some(Encoded::Bytes(encoded)),
                 format: Format::Rgba16,
                 levels: vec![level],
                 flip: origin == Origin::BottomLeft,

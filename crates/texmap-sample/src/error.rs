@@ -20,6 +20,13 @@ pub enum SampleError {
     },
     /// A texel has 1 to 4 channels.
     Channels(u32),
+    /// An image of blocks has one level or more, and no more than halving gives.
+    Levels {
+        /// Levels given.
+        levels: usize,
+        /// Most that the size allows.
+        most: usize,
+    },
     /// The slice does not hold `width * height * channels` values.
     Length {
         /// Values the size asks for.
@@ -74,6 +81,10 @@ impl fmt::Display for SampleError {
             Self::TooLarge { width, height } => write!(
                 f,
                 "texture {width}x{height} with its mip chain exceeds 2^30 words: use a smaller size or fewer bits a channel"
+            ),
+            Self::Levels { levels, most } => write!(
+                f,
+                "{levels} mip levels: an image of this size has 1 to {most}"
             ),
             Self::Channels(n) => write!(f, "{n} channels a texel: give 1, 2, 3 or 4"),
             Self::Length { expected, got } => {

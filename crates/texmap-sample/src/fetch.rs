@@ -2,8 +2,8 @@
 
 use crate::{
     address::texel::{Corners, LaneLevel, TexelAddress},
-    bound_texture::{ANY, BoundTexture, RGBA8_EXACT, RGBA16, SCALAR_FETCH},
-    encoded::Encoded,
+    bound_texture::{ANY, BLOCKS, BoundTexture, RGBA8_EXACT, RGBA16, SCALAR_FETCH},
+    encoded::{Encoded, EncodedBytes},
     texel_data::{Chain, Format, Level},
 };
 use texmap_math::simd::{Isa, prelude::*};
@@ -29,9 +29,30 @@ pub(crate) fn fetch<I: Isa, const FORMAT: u8>(
 ) -> Color<I> {
     match of_view::<FORMAT>(view) {
         SCALAR_FETCH => view.apart.fetch(i, word),
+        BLOCKS => fetch_in_blocks(i, view, word),
         RGBA16 => color16(i, view, i.gather_pairs(view.words, word)),
         _ => color8(i, view, i.gather(view.words, word)),
     }
+}
+
+/// Texels in block order: of blocks, or of the 16-bit levels behind them.
+#[inline(always)]
+fn fetch_in_blocks<I: Isa>(i: I, view: &BoundTexture<'_>, texel: I::U32) -> Color<I> {
+    let Some(blocks) = &view.blocks else {
+        return [i.f32(0.0); 4];
+    };
+    let texel = texel.to_i32();
+    let made = texel.simd_ge(blocks.texels);
+    if !made.any_true() {
+        return blocks.decoded(i, texel);
+    }
+    let word = ((texel - blocks.texels) << 1).max(i.i32(0)).to_u32();
+    let words = color16(i, view, i.gather_pairs(view.words, word));
+    if made.all_true() {
+        return words;
+    }
+    let last = i.i32(blocks.texels - 1);
+    select::<I>(made, words, blocks.decoded(i, texel.min(last)))
 }
 
 /// A texel, and the next in memory.
@@ -43,6 +64,11 @@ pub(crate) fn fetch_two<I: Isa, const FORMAT: u8>(
 ) -> [Color<I>; 2] {
     match of_view::<FORMAT>(view) {
         SCALAR_FETCH => [view.apart.fetch(i, word), view.apart.fetch(i, word + 1)],
+        // Never asked for: neighbours in memory are none in the picture.
+        BLOCKS => [
+            fetch_in_blocks(i, view, word),
+            fetch_in_blocks(i, view, word + 1),
+        ],
         RGBA16 => {
             let (a, b) = match i.gather_quads(view.words, word) {
                 Some([a, b, c, d]) => ([a, b], [c, d]),
@@ -215,7 +241,7 @@ fn loaded<I: Isa>(i: I, [r, g, b, a]: [&[f32]; 4]) -> Color<I> {
 pub(crate) struct Apart<'a> {
     words: &'a [u32],
     format: Format,
-    encoded: Option<&'a Encoded>,
+    encoded: Option<&'a EncodedBytes>,
     /// Texels that are encoded: those of level 0.
     kept: usize,
     last: usize,
@@ -225,15 +251,18 @@ impl<'a> Apart<'a> {
     #[inline(always)]
     pub(crate) fn new(chain: &'a Chain<'_>) -> Self {
         let base = &chain.levels[0];
-        let kept = match chain.encoded {
-            Some(_) => base.width as usize * base.height as usize,
-            None => 0,
+        let (encoded, kept) = match &chain.encoded {
+            Some(Encoded::Bytes(bytes)) => {
+                (Some(bytes), base.width as usize * base.height as usize)
+            }
+            // Blocks are fetched in lanes.
+            Some(Encoded::Blocks(_)) | None => (None, 0),
         };
         let count = kept + chain.words().len() / chain.format.words();
         Self {
             words: chain.words(),
             format: chain.format,
-            encoded: chain.encoded.as_ref(),
+            encoded,
             kept,
             last: count.saturating_sub(1),
         }

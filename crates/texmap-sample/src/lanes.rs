@@ -32,7 +32,9 @@
 //! ```
 
 pub use crate::batch::sample_bound_soa;
-pub use crate::bound_texture::{ANY, BoundTexture, RGBA8, RGBA8_EXACT, RGBA16, SCALAR_FETCH};
+pub use crate::bound_texture::{
+    ANY, BLOCKS, BoundTexture, RGBA8, RGBA8_EXACT, RGBA16, SCALAR_FETCH,
+};
 pub use crate::filter::Kernel;
 pub use crate::pattern::gradient_noise_lanes;
 

@@ -43,6 +43,7 @@ mod address;
 mod antialias;
 mod atlas;
 mod batch;
+mod blocks;
 mod bound_texture;
 mod color_ramp;
 mod compare;
@@ -73,6 +74,7 @@ pub use atlas::AtlasRect;
 pub use batch::{
     Places, is_exact_in_rgba8, sample_rgba8_slice, sample_rgba8_soa, sample_slice, sample_soa,
 };
+pub use blocks::{BlockFormat, BlockImage};
 pub use compare::Compare;
 pub use cube::{DirectionBatch, TextureCube, cube_direction, cube_face, sample_cube_soa};
 pub use error::SampleError;

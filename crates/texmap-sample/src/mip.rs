@@ -1,5 +1,6 @@
 //! Mip chains.
 
+use crate::encoded::Encoded;
 use crate::texel_data::{Chain, Format, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
 use texmap_math::float::sqrt_f32;
@@ -104,8 +105,16 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
 fn decoded(base: Chain<'_>) -> Vec<u32> {
     let (count, format) = (texels(&base.levels[0]), base.format);
     let mut words = owned(base.words);
+    if base.encoded.is_some() {
+        words.clear();
+    }
     match base.encoded {
-        Some(encoded) => (0..count).for_each(|i| format.push(&mut words, encoded.fetch(i))),
+        Some(encoded) => {
+            let Level { width, height, .. } = base.levels[0];
+            for y in 0..height {
+                (0..width).for_each(|x| format.push(&mut words, encoded.base_texel(width, x, y)));
+            }
+        }
         None => words.truncate(count * format.words()),
     }
     words
@@ -163,7 +172,9 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
             let start = (z * first.height + y) as usize * first.width as usize;
             let end = start + first.width as usize;
             let mut row: Vec<[f32; 4]> = match &encoded {
-                Some(encoded) => (start..end).map(|i| encoded.decode(i)).collect(),
+                Some(encoded) => (0..first.width)
+                    .map(|x| encoded.base_texel(first.width, x, y))
+                    .collect(),
                 None => format.fetch_row(&source[start * format.words()..end * format.words()]),
             };
             let mut at = y;
@@ -188,6 +199,14 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
             }
         }
     }
+    let encoded = match encoded {
+        Some(Encoded::Blocks(blocks)) => {
+            let blocks = blocks.base(&first);
+            words = blocks.append(&mut levels, &words);
+            Some(Encoded::Blocks(blocks))
+        }
+        encoded => encoded,
+    };
     Chain {
         words: Words::Owned(Arc::new(words)),
         encoded,

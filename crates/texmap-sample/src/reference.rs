@@ -2,6 +2,10 @@
 //!
 //! The f32 forms are held against these. Texels are taken as stored (linear, premultiplied).
 
+mod blocks;
+
+pub use blocks::block_texel;
+
 use crate::{
     address::wrap::Wrap,
     sampler::{Cubic, Filter, Mip, Sampler, TexelFilter},

@@ -1,6 +1,6 @@
 //! Memory layout of texels: one allocation of 32-bit words for all levels and layers.
 
-use crate::encoded::Encoded;
+use crate::{blocks::block_order, encoded::Encoded};
 use alloc::{sync::Arc, vec::Vec};
 
 /// Texels as they come from a decoder: rows top to bottom, channels together.
@@ -192,7 +192,7 @@ pub(crate) enum Words<'a> {
 /// One mip level of a [`Chain`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Level {
-    /// First word, or [`Level::ENCODED`].
+    /// First word, or [`Level::ENCODED`]; of a chain with blocks the first texel, in block order.
     pub(crate) offset: usize,
     pub(crate) width: i32,
     pub(crate) height: i32,
@@ -209,7 +209,7 @@ impl Level {
 #[derive(Clone, Debug)]
 pub(crate) struct Chain<'a> {
     pub(crate) words: Words<'a>,
-    /// Level 0, if it is not among the words.
+    /// Levels that are not among the words.
     pub(crate) encoded: Option<Encoded>,
     pub(crate) format: Format,
     pub(crate) levels: Vec<Level>,
@@ -232,10 +232,14 @@ impl Chain<'_> {
     #[inline(always)]
     pub(crate) fn fetch(&self, level: &Level, x: i32, y: i32, z: i32) -> [f32; 4] {
         let y = if self.flip { level.height - 1 - y } else { y };
+        if let Some(Encoded::Blocks(blocks)) = &self.encoded {
+            let i = level.offset + block_order(level.width, x, y);
+            return blocks.fetch_in(self.words(), i);
+        }
         let row = z as usize * level.height as usize + y as usize;
         let i = row * level.width as usize + x as usize;
         match &self.encoded {
-            Some(encoded) if level.offset == Level::ENCODED => encoded.fetch(i),
+            Some(Encoded::Bytes(bytes)) if level.offset == Level::ENCODED => bytes.fetch(i),
             _ => {
                 let words = self.format.words();
                 self.format.fetch(self.words(), level.offset + i * words)

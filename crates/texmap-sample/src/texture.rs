@@ -293,7 +293,7 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<(), SampleError> {
     }
 }
 
-fn check_length(expected: usize, got: usize) -> Result<(), SampleError> {
+pub(crate) fn check_length(expected: usize, got: usize) -> Result<(), SampleError> {
     if expected == got {
         Ok(())
     } else {

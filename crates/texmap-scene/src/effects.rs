@@ -1,7 +1,8 @@
 //! Lighting effects as data: what a scene says about shadows, projectors and environments, and materials about maps.
 
 use texmap_light::{
-    Environment, EnvironmentLight, NormalMapGreen, ProjectorBorder, ShadowBias, ToneMap,
+    Environment, EnvironmentLight, NormalMapGreen, ProjectorBorder, ReflectionBox, ShadowBias,
+    ToneMap,
 };
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
@@ -214,6 +215,9 @@ pub struct Reflection {
     pub environment: usize,
     /// Share of the mirrored light that is added, 0..=1.
     pub reflectivity: f32,
+    /// The walls that the environment shows: rays are led to them, so that a mirror away from the point of capture shows them where they
+    /// are. `None`: everything is infinitely far.
+    pub within: Option<ReflectionBox>,
 }
 
 /// A sky. It is drawn over the background colour and under everything else, and leaves no trace in output arrays.

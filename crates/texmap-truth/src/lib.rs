@@ -38,4 +38,4 @@ pub mod strip;
 pub mod verify;
 
 pub use error::TruthError;
-pub use frame::{ASSUMPTIONS, Truth, frame};
+pub use frame::{ASSUMPTIONS, Truth, frame, frame_by_rays};

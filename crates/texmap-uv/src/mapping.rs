@@ -52,6 +52,9 @@ pub struct Mapping {
     pub repeat: [f64; 2],
     /// Unwrap faces across the seam and fan the poles. Without it every vertex has the u of its own formula.
     pub fix_seams: bool,
+    /// The faces that a cylinder or cone sees from above or below are on its caps, each a picture of its own. Without caps they belong to
+    /// the side, as those of a lathe or a label that runs over the edge do.
+    pub caps: bool,
     /// The row at v = 0.
     pub origin: Origin,
 }
@@ -76,6 +79,7 @@ impl Mapping {
             tile: None,
             repeat: [1.0; 2],
             fix_seams: true,
+            caps: true,
             origin: Origin::TopLeft,
         }
     }
@@ -350,6 +354,9 @@ impl Mapping {
     ) -> ShapeFace {
         if matches!(self.shape, Shape::Plane | Shape::Sphere) {
             return ShapeFace::Whole;
+        }
+        if !self.caps && self.is_round(ShapeFace::Side) {
+            return ShapeFace::Side;
         }
         let mean: DVec3 = mesh
             .faces()

@@ -248,6 +248,7 @@ fn lit() -> Scene {
     let reflection = Some(Reflection {
         environment: 0,
         reflectivity: 0.3,
+        within: None,
     });
     let floor = Material {
         base_color: slot(1, Filter::Trilinear),

@@ -88,6 +88,7 @@ fn all() -> Scene {
         reflection: Some(Reflection {
             environment: 0,
             reflectivity: 0.5,
+            within: None,
         }),
         specular_map: Some(0),
         ..Material::default()

@@ -2,6 +2,7 @@
 
 mod effects;
 mod gltf;
+mod gpu_images;
 mod guarded;
 mod language;
 mod malformed;

@@ -38,6 +38,7 @@ demos! {
     slides "slides",
     shadows "shadows",
     environments "environments",
+    parallax "parallax",
     bumps "bumps",
     light_maps "light-maps",
     displacement "displacement",

@@ -5,6 +5,7 @@ mod demos;
 mod plans;
 mod program;
 mod projections;
+mod reflections;
 mod scenes;
 mod shadows;
 mod truth;

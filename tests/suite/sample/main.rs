@@ -1,5 +1,6 @@
 //! Laws and regressions of the sampler.
 
+mod blocks;
 mod conformance;
 mod cubes;
 mod encoded;

@@ -114,7 +114,7 @@ fn mirrored() -> Scene {
     let gloss = sky.specular_map(EnvironmentLayout::Cube, 8, 9.0).expect("a specular map");
     let cube = sky.convert(EnvironmentLayout::Cube, 16).expect("a cube");
     scene.effects.environments = vec![cube.with_mips(), gloss];
-    scene.materials[0].reflection = Some(Reflection { environment: 0, reflectivity: 0.5 });
+    scene.materials[0].reflection = Some(Reflection { environment: 0, reflectivity: 0.5, within: None });
     scene.materials[0].specular_map = Some(1);
     scene
 }

@@ -39,14 +39,17 @@ pub(crate) struct BakeArgs {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Texels by which islands are dilated: 1 for bilinear look-ups, 2^L for mips down to level L
-    #[arg(long, value_name = "TEXELS", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=64))]
+    #[arg(long, value_name = "TEXELS", default_value_t = GUTTER, value_parser = clap::value_parser!(u32).range(0..=64))]
     gutter: u32,
     /// Texels a side of the shadow map of each light (of each face, for point lights); 0 for no shadows
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(0..=16_384))]
+    #[arg(long, value_name = "N", default_value_t = SHADOW_SIZE, value_parser = clap::value_parser!(u32).range(0..=16_384))]
     shadow_size: u32,
     /// Comparisons a side of the shadow filter, odd. Its bias is that of a `shadow` line that names none
-    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=15))]
+    #[arg(long, value_name = "K", default_value_t = PCF_SIZE, value_parser = clap::value_parser!(u32).range(1..=15))]
     shadow_taps: u32,
+    /// Leave this light out, by its name or number: one that moves (`texmap render --light-path`). Several times for several
+    #[arg(long, value_name = "LIGHT")]
+    except: Vec<String>,
     /// One luminance instead of three colours
     #[arg(long)]
     luminance: bool,
@@ -56,6 +59,11 @@ pub(crate) struct BakeArgs {
     #[arg(long)]
     pub(crate) json: bool,
 }
+
+/// Texels a side of a shadow map, comparisons a side of its filter and texels of dilation where none are asked for.
+pub(crate) const SHADOW_SIZE: u32 = 1024;
+pub(crate) const PCF_SIZE: u32 = 3;
+pub(crate) const GUTTER: u32 = 2;
 
 /// Placeholder of a mesh name in the name of an output.
 const OBJECT: &str = "{object}";
@@ -92,7 +100,8 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         return Err(Failure::internal("no mesh to bake"));
     };
     let mut stage = Stage::new(first)?;
-    let shadows = shadows(args, &scene).map_err(refused)?;
+    let lights = lights(args, &scene)?;
+    let shadows = shadows(args, &scene, &lights).map_err(refused)?;
     let mut words = Vec::new();
     for ((mesh, output), destination) in meshes.iter().zip(&outputs).zip(destinations) {
         let name = &scene.meshes[*mesh].name;
@@ -107,7 +116,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
             size: args.size,
             gutter: args.gutter,
             shadows: &shadows,
-            lights: None,
+            lights: Some(&lights),
         };
         let map = bake(&scene, *mesh, &options).map_err(refused)?;
         let texels = if args.luminance {
@@ -225,13 +234,43 @@ fn outputs(args: &BakeArgs, scene: &Scene, meshes: &[usize]) -> Result<Vec<PathB
     Ok(used.iter().map(name).collect())
 }
 
+/// The lights that are baked.
+fn lights(args: &BakeArgs, scene: &Scene) -> Result<Vec<usize>, Failure> {
+    let count = scene.lights.len();
+    let mut left_out = Vec::new();
+    for name in &args.except {
+        let index = match name.parse::<usize>() {
+            Ok(number) if number < count => number,
+            Ok(_) => {
+                return Err(Failure::usage(
+                    format!("--except {name}: the scene has {count} lights"),
+                    "lights are numbered from 0",
+                ));
+            }
+            Err(_) => scene.light_named(name).map_err(|e| {
+                Failure::usage(
+                    format!("--except {name}: {e}"),
+                    "give a light a name by a `name` line, or its number from 0",
+                )
+            })?,
+        };
+        left_out.push(index);
+    }
+    Ok((0..count).filter(|i| !left_out.contains(i)).collect())
+}
+
 /// A shadow map with the index of its light, its bias and its comparisons a side.
 type LightShadow = (usize, ShadowMap, ShadowBias, u32);
 
 /// A shadow map for each light that may have one.
-fn shadows(args: &BakeArgs, scene: &Scene) -> Result<Vec<LightShadow>, RenderError> {
+fn shadows(
+    args: &BakeArgs,
+    scene: &Scene,
+    lights: &[usize],
+) -> Result<Vec<LightShadow>, RenderError> {
     let mut shadows = Vec::new();
-    for (index, light) in scene.lights.iter().enumerate() {
+    for index in lights.iter().copied() {
+        let light = &scene.lights[index];
         if args.shadow_size > 0 && !matches!(light, Light::Ambient { .. }) {
             let kind = shadow_kind(scene, index, None)?;
             let (bias, taps) = (shadow_bias(scene), args.shadow_taps);

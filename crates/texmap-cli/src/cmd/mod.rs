@@ -9,7 +9,10 @@ use crate::failure::Failure;
 
 pub(crate) mod bake;
 pub(crate) mod chart;
+#[cfg(feature = "gpu-images")]
+pub(crate) mod compress;
 pub(crate) mod demo;
+pub(crate) mod depth;
 pub(crate) mod diff;
 pub(crate) mod env;
 pub(crate) mod hash;

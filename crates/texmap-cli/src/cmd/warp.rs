@@ -1,19 +1,21 @@
 //! `texmap warp`: an image drawn through an affine map or a homography.
 
+mod forward;
+
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::thread;
 
 use clap::Args;
-use texmap_io::{Lost, PixelCode, image_io, write_pixels};
+use texmap_io::{Lost, PictureFormat, PixelCode, image_io, write_pixels};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
 use texmap_math::{Homography, Level, deterministic_f64};
 use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample, Texture2d};
 use texmap_scene::ColorMode;
 
 use crate::cmd::written::{Written, one_stdout};
-use crate::failure::{Exit, Failure};
+use crate::failure::{self, Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
 use crate::values::{self, Resolution};
@@ -27,7 +29,8 @@ use crate::values::{self, Resolution};
 #[derive(Args, Debug)]
 #[command(
     after_help = "Rectify a facade:   texmap warp photo.jpg --from 120,80 690,140 700,610 100,580 --size 600x500 -o facade.png\n\
-                  Turn by 45 degrees: texmap warp in.png --rotate 45 -o out.png"
+                  Turn by 45 degrees: texmap warp in.png --rotate 45 -o out.png\n\
+                  Texel to pixel:     texmap warp in.png --scale 1.5 --size 600x600 --forward -o holes.png"
 )]
 pub(crate) struct WarpArgs {
     /// The image: PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, HDR or EXR
@@ -62,6 +65,9 @@ pub(crate) struct WarpArgs {
     /// Texture filter: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8, ewa:8:0.75
     #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "anisotropic:16")]
     filter: Filter,
+    /// Write each texel to the pixel that it falls into, as the earliest programs did, and count overdraw and holes: what is wrong with it
+    #[arg(long, conflicts_with_all = ["outside", "filter"])]
+    forward: bool,
     /// srgb decodes before filtering; raw takes the codes as they are. Floats are linear light either way
     #[arg(long, value_name = "SPACE", value_parser = values::color, default_value = "srgb")]
     color: ColorMode,
@@ -147,6 +153,10 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
         .size
         .map_or((texture.width(), texture.height()), |r| (r.width, r.height));
     let map = output_from_source(args, &texture, width, height)?;
+    if args.forward {
+        let made = forward::forward(&texture, &map, (width, height));
+        return write_forward(args, (main, format, bits), made, (width, height));
+    }
     let texture = if args.filter.reads_mips() {
         texture.with_mips()
     } else {
@@ -177,6 +187,46 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
     written.picture(&args.output, (width, height));
     written.warn(formats::warn(&args.output, format, lost));
     written.tell(args.json)
+}
+
+/// The report of a forward map.
+#[derive(Debug, serde::Serialize)]
+struct Forward {
+    #[serde(flatten)]
+    written: Written,
+    forward: forward::Counts,
+}
+
+fn write_forward(
+    args: &WarpArgs,
+    (main, format, bits): (Destination, PictureFormat, u32),
+    (pixels, counts): (Vec<[f32; 4]>, forward::Counts),
+    size: (u32, u32),
+) -> Result<Exit, Failure> {
+    let code = formats::pixel_code(format, bits, args.color, true);
+    let mut lost = Lost::default();
+    let mut stage = Stage::new(&main)?;
+    let path = stage.add(main, format.ending());
+    write_pixels(&path, code, size, |out| {
+        let mut bytes = vec![0; code.bytes() * size.0 as usize];
+        pixels.chunks(size.0 as usize).try_for_each(|row| {
+            lost += code.encode(row, &mut bytes);
+            out.write_all(&bytes)
+        })
+    })?;
+    stage.commit()?;
+    say(&format!("{}: {}\n", args.output.display(), counts.words()));
+    let mut written = Written::new("warp");
+    written.picture(&args.output, size);
+    written.warn(formats::warn(&args.output, format, lost));
+    match args.json {
+        true => failure::print_json(&Forward {
+            written,
+            forward: counts,
+        })
+        .map(|()| Exit::Done),
+        false => Ok(Exit::Done),
+    }
 }
 
 fn output_from_source(

@@ -8,6 +8,8 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::{MAX_SIDE, MAX_TEXELS};
 use crate::files::{FileSource, MAX_TEXT, is_called};
+#[cfg(feature = "gpu-images")]
+use crate::gpu_image;
 use crate::{IoError, SourceLocation, exr_header};
 
 pub(super) fn size_allowed(
@@ -70,6 +72,16 @@ pub(super) fn decode_bytes(
         // Some decoders end their messages with a line feed.
         problem: problem.trim_end().replace('\n', " "),
     };
+    #[cfg(feature = "gpu-images")]
+    if gpu_image::is_one(bytes) {
+        let file = gpu_image::GpuFile {
+            files,
+            path,
+            named_by,
+            bytes,
+        };
+        return file.decode(fits);
+    }
     // Decoders call a size of zero "broken"; say what it is.
     if let Some(size) = header_size(bytes) {
         fits(size)?;
@@ -116,6 +128,10 @@ pub(super) fn decode_bytes(
 /// Width and height that a file states before anything is decoded, if that is clear.
 pub(crate) fn stated_size(files: &FileSource, path: &Path) -> Option<(u32, u32)> {
     let opened = files.open(path, None, MAX_TEXT).ok()?;
+    #[cfg(feature = "gpu-images")]
+    if let Some(head) = gpu_image::head(files, path) {
+        return gpu_image::stated_size(&head);
+    }
     let reader = ImageReader::new(BufReader::new(opened.file));
     reader.with_guessed_format().ok()?.into_dimensions().ok()
 }

@@ -14,6 +14,8 @@ use texmap_sample::{Alpha, ColorSpace, Image, Origin, SampleError, TexelData, Te
 use decode::{decode_bytes, size_allowed};
 
 use crate::files::FileSource;
+#[cfg(feature = "gpu-images")]
+use crate::gpu_image;
 use crate::{IoError, SourceLocation, atomic};
 
 pub(crate) use decode::{ask_for_texels, decode, stated_size};
@@ -39,6 +41,10 @@ pub const ENDINGS: &[&str] = &[
     #[cfg(feature = "tiff")]
     "tiff",
     "qoi",
+    #[cfg(feature = "gpu-images")]
+    "dds",
+    #[cfg(feature = "gpu-images")]
+    "ktx2",
     "hdr",
     "exr",
 ];
@@ -64,6 +70,10 @@ pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
 /// As [`read_image`]; [`IoError::BrokenImage`] also for floats that no texture may have (NaN, infinities, beyond 2^120).
 pub fn read_texture(path: &Path, color: ColorSpace) -> Result<(Texture2d<'static>, u32), IoError> {
     let files = FileSource::anywhere();
+    #[cfg(feature = "gpu-images")]
+    if let Some(texture) = block_texture(&files, path, None, color)? {
+        return Ok((texture, 8));
+    }
     let decoded = decode(&files, path, None, |size| size_allowed(path, None, size))?;
     let (width, height) = (decoded.width(), decoded.height());
     let kept = |channels: u32, texels: Vec<u8>| {
@@ -87,6 +97,27 @@ pub fn read_texture(path: &Path, color: ColorSpace) -> Result<(Texture2d<'static
     texture
         .map(|texture| (texture, 8))
         .map_err(|e| unfit(path, None, &e))
+}
+
+/// The texture of a block-compressed file, with the mip levels of the file; `None` of any other.
+#[cfg(feature = "gpu-images")]
+pub(crate) fn block_texture(
+    files: &FileSource,
+    path: &Path,
+    named_by: Option<&SourceLocation>,
+    color: ColorSpace,
+) -> Result<Option<Texture2d<'static>>, IoError> {
+    if gpu_image::head(files, path).is_none() {
+        return Ok(None);
+    }
+    let bytes = files.read_named(path, named_by, crate::files::MAX_TEXT)?;
+    let file = gpu_image::GpuFile {
+        files,
+        path,
+        named_by,
+        bytes: &bytes,
+    };
+    file.texture(color, |size| size_allowed(path, named_by, size))
 }
 
 /// A texture of linear RGBA floats.

@@ -20,6 +20,8 @@ use crate::{IoError, SourceLocation};
 pub(super) struct EffectSettings {
     pub(super) highlight: SpecularModel,
     pub(super) reflection: Option<Reflection>,
+    /// The texture that multiplies the share of the reflection.
+    pub(super) reflectivity: Option<usize>,
     pub(super) specular_map: Option<usize>,
     pub(super) light_map: Option<(usize, f32)>,
     /// Linear light and the texture that multiplies it.
@@ -121,6 +123,9 @@ impl EffectSettings {
         if !coordinates.first && self.emission.is_some_and(|(_, map)| map.is_some()) {
             out.push(("`emission` with a map", FIRST));
         }
+        if !coordinates.first && self.reflection.is_some() && self.reflectivity.is_some() {
+            out.push(("`env` with a map", FIRST));
+        }
         if !coordinates.second && self.light_map.is_some() {
             out.push(("`lightmap`", SECOND));
         }
@@ -138,6 +143,9 @@ impl EffectSettings {
         let data = |texture| settings.slot(texture, UvTransform::default(), false, scene.color);
         material.specular_model = self.highlight;
         material.reflection = self.reflection;
+        if self.reflection.is_some() && coordinates.first {
+            material.maps.reflectivity = self.reflectivity.map(data);
+        }
         material.specular_map = self.specular_map;
         material.horizon_clamp = !self.horizon_open;
         let light_map = self.light_map.filter(|_| coordinates.second);

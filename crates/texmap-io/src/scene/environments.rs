@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use texmap_light::{Environment, EnvironmentLayout};
+use texmap_light::{Environment, EnvironmentLayout, ReflectionBox};
 use texmap_scene::Reflection;
 
 use super::build::Builder;
 use crate::scene_file::Line;
+use crate::textures::Content;
 use crate::{IoError, environment_io};
 
 /// Environments that are read once.
@@ -28,16 +29,50 @@ pub(super) fn reflection(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoE
         true => None,
         false => {
             let (path, chart, reflectivity) = (b.beside(line), line.parsed(), line.float());
-            let shown = Use::Shown {
-                mips: line.takes("mips"),
-            };
+            let (mut mips, mut walls, mut center, mut map) = (false, None, None, None);
+            while let Some(word) = line.word() {
+                match word {
+                    "mips" => mips = true,
+                    "box" => walls = Some((line.floats(), line.floats())),
+                    "at" => center = Some(line.floats()),
+                    _ => map = Some(b.load(line, Content::Data)?),
+                }
+            }
+            b.settings.effects.reflectivity = map;
             Some(Reflection {
-                environment: b.environment(path, line, chart, shown)?,
+                environment: b.environment(path, line, chart, Use::Shown { mips })?,
                 reflectivity,
+                within: within(line, walls, center)?,
             })
         }
     };
     Ok(())
+}
+
+/// The walls of a reflection, seen from their middle if no other point is given.
+fn within(
+    line: &Line<'_>,
+    walls: Option<([f32; 3], [f32; 3])>,
+    center: Option<[f32; 3]>,
+) -> Result<Option<ReflectionBox>, IoError> {
+    let shape = |problem: &str| IoError::BadShape {
+        location: line.location.clone(),
+        problem: format!("`env`: {problem}"),
+    };
+    let Some((low, high)) = walls else {
+        return match center {
+            Some(_) => Err(shape(
+                "`at` is the point from which a `box` is seen, and there is no box",
+            )),
+            None => Ok(None),
+        };
+    };
+    let middle = std::array::from_fn(|k| 0.5 * (low[k] + high[k]));
+    let center = center.unwrap_or(middle);
+    if !(0..3).all(|k| low[k] < center[k] && center[k] < high[k]) {
+        return Err(shape("the point after `at` must lie within the `box`"));
+    }
+    Ok(Some(ReflectionBox { low, high, center }))
 }
 
 /// `specmap`.
@@ -98,6 +133,8 @@ mod tests {
         assert_reads_back(&[
             "env sky.hdr lat-long 0.5 mips\n",
             "env sky.hdr lat-long 0.5\n",
+            "env cow.exr cube 1 box -2 0 -2 2 3 2 at 0 1 0.5\n",
+            "env cow.exr cube 1 mips map shine.png\n",
             "env none\n",
             "specmap lamps.exr tan-cube 40\n",
             "specmap none\n",
@@ -111,6 +148,8 @@ mod tests {
             ("env a.png cube", "argument-count", 1),
             ("env a.png ball 1", "unknown-word", 11),
             ("env a.png cube 2", "out-of-range", 16),
+            ("env a.png cube 1 box 0 0 0 1 1 0", "out-of-range", 32),
+            ("env a.png cube 1 box 0 0 0 1 1", "argument-count", 1),
             ("specmap a.png cube -1", "out-of-range", 20),
         ]);
     }

@@ -1,7 +1,9 @@
 //! Panel 6: memory against error.
 
 use texmap_light::EnvironmentLayout;
-use texmap_math::Level;
+use texmap_math::{Footprint, Level};
+#[cfg(feature = "gpu-images")]
+use texmap_sample::BlockFormat;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, TexelData, Texture2d, sample_slice,
 };
@@ -70,28 +72,41 @@ fn textures(effort: Effort) -> Result<SceneChart, LabError> {
                     },
                     ..Sampler::default()
                 };
-                let mut out = vec![[0.0f32; 4]; u.len()];
-                sample_slice(
-                    Level::new(),
-                    &sampler,
-                    &texture,
-                    &u,
-                    &v,
-                    Some(&footprints),
-                    &mut out,
-                )?;
+                let errors = errors_of(&sampler, &texture, [&u, &v], &footprints, &truth)?;
                 let texels: u64 = (0..texture.levels())
                     .filter_map(|level| texture.level_size(level))
                     .map(|(w, h)| u64::from(w) * u64::from(h))
                     .sum();
-                let errors = out.iter().zip(&truth).map(|(o, t)| f64::from(o[0]) - t[0]);
                 let how = if mips { "mips" } else { "one level" };
                 points.push(point(
                     format!("{side}, {}, {how}", format.name()),
                     texels * format.bytes(),
-                    Error::of(errors),
+                    errors,
                 ));
             }
+        }
+        #[cfg(feature = "gpu-images")]
+        for (name, format) in BLOCKS {
+            let whole = Format::Byte.texture(side, &values)?.with_mips();
+            let compression = texmap_io::Compression {
+                format,
+                quality: texmap_io::CompressionQuality::Normal,
+                color: ColorSpace::Linear,
+            };
+            let texture = texmap_io::compress_texture(&whole, &compression)
+                .map_err(|e| LabError::Chart(e.to_string()))?;
+            let sampler = Sampler {
+                filter: Filter::Anisotropic(16),
+                ..Sampler::default()
+            };
+            let bytes = (0..texture.levels())
+                .filter_map(|level| texture.level_size(level))
+                .map(|(w, h)| format.level_bytes(w, h) as u64);
+            points.push(point(
+                format!("{side}, {name}, mips"),
+                bytes.sum(),
+                errors_of(&sampler, &texture, [&u, &v], &footprints, &truth)?,
+            ));
         }
     }
     Ok(SceneChart {
@@ -104,6 +119,36 @@ fn textures(effort: Effort) -> Result<SceneChart, LabError> {
         across: Across::Bytes,
         points,
     })
+}
+
+/// Block-compressed storage. The waves are grey: one channel is enough.
+#[cfg(feature = "gpu-images")]
+const BLOCKS: [(&str, BlockFormat); 3] = [
+    ("BC1", BlockFormat::Bc1),
+    ("BC4", BlockFormat::Bc4),
+    ("BC7", BlockFormat::Bc7),
+];
+
+/// Errors of the red channel of look-ups.
+fn errors_of(
+    sampler: &Sampler,
+    texture: &Texture2d<'_>,
+    [u, v]: [&[f32]; 2],
+    footprints: &[Footprint],
+    truth: &[[f64; 1]],
+) -> Result<Error, LabError> {
+    let mut out = vec![[0.0f32; 4]; u.len()];
+    sample_slice(
+        Level::new(),
+        sampler,
+        texture,
+        u,
+        v,
+        Some(footprints),
+        &mut out,
+    )?;
+    let errors = out.iter().zip(truth).map(|(o, t)| f64::from(o[0]) - t[0]);
+    Ok(Error::of(errors))
 }
 
 /// Storage of a texel.

@@ -14,10 +14,10 @@ use texmap_truth::picture::Picture;
 use texmap_truth::rays::{RayObject, RayScene};
 
 /// Half the side of the room.
-const HALF: f64 = 5.0;
+pub(super) const HALF: f64 = 5.0;
 
 /// Colour of a point on the room's walls, linear: tiles of two tints, another pair on each wall.
-fn wall(p: DVec3) -> [f32; 3] {
+pub(super) fn wall(p: DVec3) -> [f32; 3] {
     let a = p.abs();
     let tile = |x: f64, y: f64| ((x * 0.8).floor() as i64 + (y * 0.8).floor() as i64) & 1 == 0;
     let (light, dark, even) = if a.y >= a.x && a.y >= a.z {
@@ -41,12 +41,12 @@ fn wall(p: DVec3) -> [f32; 3] {
 }
 
 /// The room as a ray scene.
-fn room() -> RayScene {
+pub(super) fn room() -> RayScene {
     let world = DMat4::from_scale(DVec3::splat(2.0 * HALF));
     RayScene::new([RayObject::Solid(Shape::Box, world)])
 }
 
-fn seen(room: &RayScene, origin: DVec3, direction: DVec3) -> Option<DVec3> {
+pub(super) fn seen(room: &RayScene, origin: DVec3, direction: DVec3) -> Option<DVec3> {
     let hit = room.nearest(origin, direction, (1e-9, f64::INFINITY))?;
     Some(hit.point)
 }
@@ -57,6 +57,7 @@ fn scene(environment: Environment, radius: f64) -> Scene {
     mirror.reflection = Some(Reflection {
         environment: 0,
         reflectivity: 1.0,
+        within: None,
     });
     let mirror = stage::add(&mut scene, mirror);
     scene.effects.environments.push(environment);

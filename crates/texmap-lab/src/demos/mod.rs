@@ -33,6 +33,7 @@ mod lit;
 mod mapping;
 mod moving_spot;
 mod paint;
+mod parallax;
 mod procedural_bump;
 mod projections;
 mod shadows;
@@ -59,7 +60,7 @@ pub const DEFAULT_SIZE: u32 = 384;
 
 type Draw = fn(u32) -> Result<DemoPicture, LabError>;
 
-const DEMOS: [(&str, &str, Draw); 23] = [
+const DEMOS: [(&str, &str, Draw); 24] = [
     (
         "affine-image",
         "a photo on cubes, screen-linear against perspective",
@@ -119,6 +120,11 @@ const DEMOS: [(&str, &str, Draw); 23] = [
         "environments",
         "environment maps against ray-traced reflections; clamped cube faces",
         environments::environments,
+    ),
+    (
+        "parallax",
+        "a mirror away from the point of capture: infinitely far, led to the walls of a box, by rays",
+        parallax::parallax,
     ),
     (
         "bumps",

@@ -30,6 +30,8 @@ pub(crate) struct SurfaceEffects<'s> {
     pub(crate) metallic: [Option<Slot<'s>>; METALLIC_MAPS],
     /// Baked light, its map, and the first attribute of the coordinates.
     pub(crate) light_map: Option<(&'s LightMapSlot, Slot<'s>, usize)>,
+    /// True if a mirror leads its rays to walls.
+    leads_rays: bool,
     /// True if the model of light reads the direction to the eye for any lights.
     sees_eye: bool,
     /// Unit normals of the triangles' planes, world space; empty where there are neither shadows nor projectors, which alone read them.
@@ -81,6 +83,7 @@ impl<'s> SurfaceEffects<'s> {
             light_map: light_map
                 .zip(lightmap_uv)
                 .map(|(map, first)| (map, slot(&map.slot), first)),
+            leads_rays: material.reflection.is_some_and(|r| r.within.is_some()),
             sees_eye: material.metallic_roughness.is_some(),
             planes: match ready.is_plain() {
                 true => Vec::new(),
@@ -90,10 +93,11 @@ impl<'s> SurfaceEffects<'s> {
         }))
     }
 
-    /// True if some stage asks for positions. (A mirror asks for the direction to the eye alone.)
+    /// True if some stage asks for positions. (A mirror without walls asks for the direction to the eye alone.)
     pub(crate) fn reads_positions(&self, ready: &FrameResources<'_>) -> bool {
         let mut lights = self.lights.iter();
         self.sees_eye
+            || self.leads_rays
             || self.normal.is_some()
             || !ready.projector_decals.is_empty()
             || lights.any(|(_, light)| !matches!(light, Light::Ambient { .. }))

@@ -344,19 +344,20 @@ fn light<'a>(
         let (uv, factor) = (*uv, material.phong.kd * map.scale);
         out.push(Box::new(LightMap { slot, uv, factor }));
     }
-    let mut reflect = |index: usize, share, map| {
+    let mut reflect = |index: usize, share, map, within| {
         out.push(Box::new(Reflection {
             environment: &plan.ready.environments[index],
             share,
             map,
+            within,
             rays: plan.rays,
         }));
     };
     if let Some(r) = material.reflection {
-        reflect(r.environment, r.reflectivity, maps[REFLECTIVITY]);
+        reflect(r.environment, r.reflectivity, maps[REFLECTIVITY], r.within);
     }
     if let Some(index) = material.specular_map {
-        reflect(index, material.phong.ks, None);
+        reflect(index, material.phong.ks, None, None);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reflections: the light of environments in the direction of the mirrored ray.
 
-use texmap_light::Environment;
 use texmap_light::lanes::{RayLanes, dot, reflect_across, splat};
+use texmap_light::{Environment, ReflectionBox};
 use texmap_math::simd::{Isa, prelude::*};
 
 use super::batch::{Part, flip, load_changes, load_vector, parts};
@@ -15,6 +15,8 @@ pub(crate) struct Reflection<'a> {
     /// Factor of its light, and a texture that multiplies it.
     pub(crate) share: f32,
     pub(crate) map: Option<&'a Slot<'a>>,
+    /// Walls that mirrored rays are led to.
+    pub(crate) within: Option<ReflectionBox>,
     pub(crate) rays: EyeRays,
 }
 
@@ -70,6 +72,16 @@ impl Reflection<'_> {
             dx: flip(i, back, normal_dx),
             dy: flip(i, back, normal_dy),
         };
-        reflect_across(i, &view, &normal, dot(smooth, smooth).sqrt())
+        let mirrored = reflect_across(i, &view, &normal, dot(smooth, smooth).sqrt());
+        let (Some(walls), Some(position)) = (&self.within, inputs.vectors.position) else {
+            return mirrored;
+        };
+        let [dx, dy] = load_changes(i, position, at);
+        let position = RayLanes {
+            direction: load_vector(i, position, at),
+            dx,
+            dy,
+        };
+        walls.led(i, &position, &mirrored)
     }
 }

@@ -1,7 +1,7 @@
 //! Addresses of texels in memory.
 
 use super::wrap::fraction;
-use crate::bound_texture::{ANY, BoundTexture, RGBA16};
+use crate::bound_texture::{ANY, BLOCKS, BoundTexture, RGBA16};
 use texmap_math::{
     lanes::GatherTable,
     simd::{Isa, prelude::*},
@@ -100,6 +100,22 @@ impl<I: Isa> LaneLevel<I> {
         (word + self.offset).to_u32()
     }
 
+    /// First word of the texel of column `x` and row `y` as they are stored; `row` texels stand before its row, where rows are stored.
+    #[inline(always)]
+    fn stored<const FORMAT: u8>(
+        &self,
+        view: &BoundTexture<'_>,
+        [x, y]: [I::I32; 2],
+        row: I::I32,
+    ) -> I::U32 {
+        if in_blocks::<FORMAT>(view) {
+            let whole = (self.width + 3) & !3;
+            let texel = (y & !3) * whole + ((y & 3) << 2) + ((x & !3) << 2) + (x & 3);
+            return (texel + self.offset).to_u32();
+        }
+        self.word::<FORMAT>(view, row + x)
+    }
+
     /// Texels before a row in memory.
     #[inline(always)]
     fn row_start(&self, y: I::I32) -> I::I32 {
@@ -163,7 +179,7 @@ impl<I: Isa> LaneLevel<I> {
     ) -> TexelAddress<I> {
         let y = (y & (self.height - 1)) ^ self.turn;
         let x = x & (self.width - 1);
-        TexelAddress::new(self.word::<FORMAT>(view, self.row_start(y) + x), x)
+        TexelAddress::new(self.stored::<FORMAT>(view, [x, y], self.row_start(y)), x)
     }
 
     /// The texels at unwrapped indices (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
@@ -174,24 +190,23 @@ impl<I: Isa> LaneLevel<I> {
         view: &BoundTexture<'_>,
         [x, y]: [I::I32; 2],
     ) -> Corners<I> {
+        let pairs = i.has_pairs() && !in_blocks::<FORMAT>(view);
         if view.masked {
             let (x_mask, y_mask) = (self.width - 1, self.height - 1);
             let x0 = x & x_mask;
-            let rows = [
-                self.row_start((y & y_mask) ^ self.turn),
-                self.row_start(((y + 1) & y_mask) ^ self.turn),
-            ];
+            let (y0, y1) = ((y & y_mask) ^ self.turn, ((y + 1) & y_mask) ^ self.turn);
+            let rows = [self.row_start(y0), self.row_start(y1)];
             let left = [
-                self.word::<FORMAT>(view, rows[0] + x0),
-                self.word::<FORMAT>(view, rows[1] + x0),
+                self.stored::<FORMAT>(view, [x0, y0], rows[0]),
+                self.stored::<FORMAT>(view, [x0, y1], rows[1]),
             ];
-            if i.has_pairs() && !x0.simd_eq(x_mask).any_true() {
+            if pairs && !x0.simd_eq(x_mask).any_true() {
                 return Corners::Pairs(left);
             }
             let x1 = (x + 1) & x_mask;
             let right = [
-                self.word::<FORMAT>(view, rows[0] + x1),
-                self.word::<FORMAT>(view, rows[1] + x1),
+                self.stored::<FORMAT>(view, [x1, y0], rows[0]),
+                self.stored::<FORMAT>(view, [x1, y1], rows[1]),
             ];
             return Corners::Apart([
                 TexelAddress::new(left[0], x0),
@@ -206,7 +221,7 @@ impl<I: Isa> LaneLevel<I> {
             self.wrapped_texel::<FORMAT>(view, [x0, y0]),
             self.wrapped_texel::<FORMAT>(view, [x0, y1]),
         ];
-        if i.has_pairs() && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
+        if pairs && !view.bordered && (x1 - x0).simd_eq(1).all_true() {
             return Corners::Pairs([left[0].word, left[1].word]);
         }
         Corners::Apart([
@@ -264,9 +279,15 @@ impl<I: Isa> LaneLevel<I> {
         [x, y]: [I::I32; 2],
     ) -> TexelAddress<I> {
         let turned = if view.flip { self.turn - y } else { y };
-        let word = self.word::<FORMAT>(view, turned * self.width + x);
+        let word = self.stored::<FORMAT>(view, [x, turned], turned * self.width);
         TexelAddress::new(word, x | y)
     }
+}
+
+/// True where texels are addressed in block order.
+#[inline(always)]
+fn in_blocks<const FORMAT: u8>(view: &BoundTexture<'_>) -> bool {
+    FORMAT == BLOCKS || FORMAT == ANY && view.format == BLOCKS
 }
 
 /// Address of a texel, or the border.

@@ -3,7 +3,7 @@
 use super::{FilterKernel, Kernel, LookUp, bilinear::cell};
 use crate::{
     address::texel::LaneLevel,
-    bound_texture::{ANY, BoundTexture},
+    bound_texture::{ANY, BLOCKS, BoundTexture},
     fetch::{Color, fetch_four, scaled, tap},
     sampler::Cubic,
 };
@@ -64,8 +64,11 @@ impl FilterKernel for Bicubic {
             let step = k as i32 - 1;
             [columns[k], rows[k]] = level.wrapped(i, view, [x + step, y + step]);
         }
-        // Wraps of all kinds keep neighbours within one of each other, so that three steps up are one after the other.
-        let in_order = (columns[3] - columns[0]).simd_eq(3).all_true() && !view.bordered;
+        // Wraps of all kinds keep neighbours within one of each other, so that three steps up are one after the other;
+        // but not in blocks.
+        let in_order = (columns[3] - columns[0]).simd_eq(3).all_true()
+            && !view.bordered
+            && view.format != BLOCKS;
         let centre = level.wrapped_texel::<ANY>(view, [columns[1], rows[1]]);
         let centre = tap::<I, ANY>(i, view, centre);
         let mut sum = [i.f32(0.0); 4];

@@ -1,6 +1,6 @@
 //! Checks of effects, before the first pixel.
 
-use texmap_light::Light;
+use texmap_light::{Light, ReflectionBox};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::Pattern;
 
@@ -64,6 +64,9 @@ impl Scene {
                 environments,
             )?;
             unit_range(place, "reflectivity", &[reflection.reflectivity])?;
+            if let Some(walls) = &reflection.within {
+                check_box(place, walls)?;
+            }
         }
         match &material.normal_detail {
             Some(NormalDetail::Bump { height, .. }) => {
@@ -295,6 +298,22 @@ pub(crate) fn fault(number: usize, what: &str, value: String) -> SceneError {
         what: what.to_owned(),
         value,
         expected: "the density must be finite and not negative, the step finite and above 0, no side of the box 0",
+    }
+}
+
+fn check_box(place: impl Fn() -> String, walls: &ReflectionBox) -> Result<(), SceneError> {
+    let inside = (0..3).all(|k| {
+        let (low, high) = (walls.low[k], walls.high[k]);
+        low.is_finite() && high.is_finite() && low < walls.center[k] && walls.center[k] < high
+    });
+    match inside {
+        true => Ok(()),
+        false => Err(SceneError::Value {
+            place: place(),
+            what: "box of the reflection".to_owned(),
+            value: format!("{walls:?}"),
+            expected: "finite corners, the least first, with the point of capture between them",
+        }),
     }
 }
 

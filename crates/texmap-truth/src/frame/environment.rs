@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use texmap_light::{Environment, EnvironmentLayout};
+use texmap_light::{Environment, EnvironmentLayout, ReflectionBox};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 
@@ -30,6 +30,38 @@ impl Ray {
         Self {
             direction: 2.0 * n.dot(v) * n - v,
             changes: [change(dx, turns[0]), change(dy, turns[1])],
+        }
+    }
+}
+
+impl Ray {
+    /// The ray from the middle of a capture to the wall that this ray meets from a position, `moves` its change; from outside of the box
+    /// this ray itself.
+    pub(super) fn led_to(&self, walls: &ReflectionBox, position: DVec3, moves: [DVec3; 2]) -> Self {
+        let [low, high, center] =
+            [walls.low, walls.high, walls.center].map(|c| DVec3::from(c.map(f64::from)));
+        let reach = |p: DVec3, r: DVec3, axis: usize| {
+            let wall = if r[axis] > 0.0 { high[axis] } else { low[axis] };
+            (wall - p[axis]) / r[axis]
+        };
+        let r = self.direction;
+        let met = (0..3)
+            .filter(|axis| r[*axis] != 0.0)
+            .min_by(|a, b| reach(position, r, *a).total_cmp(&reach(position, r, *b)));
+        let Some(axis) = met.filter(|axis| reach(position, r, *axis) > 0.0) else {
+            return *self;
+        };
+        let t = reach(position, r, axis);
+        let change = |dp: DVec3, dr: DVec3| {
+            let moved = dp + t * dr;
+            moved - r * (moved[axis] / r[axis])
+        };
+        Self {
+            direction: position + t * r - center,
+            changes: [
+                change(moves[0], self.changes[0]),
+                change(moves[1], self.changes[1]),
+            ],
         }
     }
 }

@@ -47,6 +47,8 @@ pub(super) struct Point {
     pub(super) tangent: (DVec3, f64),
     /// To the eye.
     pub(super) view: Ray,
+    /// Seen in a mirror.
+    pub(super) mirrored: bool,
 }
 
 /// One light on a point, with nothing in its way: colour, and the shares of it that go into the two terms. `view` has unit length.
@@ -178,16 +180,24 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
     }
     // A bump turns the normal; its bends are left to its own texels.
     let mirrored = at.view.mirrored(normal, at.normal.length(), at.turns);
-    let light = |index: usize| {
+    let light = |index: usize, ray: &Ray| {
         let sphere = world.environments[index].as_ref();
-        sphere.map_or(DVec3::ZERO, |sphere| sphere.light(&mirrored))
+        sphere.map_or(DVec3::ZERO, |sphere| sphere.light(ray))
     };
     if let Some(reflection) = material.reflection {
         let map = surface.reflectivity.as_ref();
         let share = map.map_or(1.0, |slot| slot.straight(at.place).x);
-        sum.specular += light(reflection.environment) * share * f64::from(reflection.reflectivity);
+        let led = match &reflection.within {
+            Some(walls) => mirrored.led_to(walls, at.position, at.moves),
+            None => mirrored,
+        };
+        let seen = match world.traces && !at.mirrored {
+            true => world.traced(at, &mirrored),
+            false => light(reflection.environment, &led),
+        };
+        sum.specular += seen * share * f64::from(reflection.reflectivity);
     }
     if let Some(map) = material.specular_map {
-        sum.specular += light(map) * f64::from(material.phong.ks);
+        sum.specular += light(map, &mirrored) * f64::from(material.phong.ks);
     }
 }

@@ -141,11 +141,35 @@ fn known(scene: &Scene) -> Result<(), TruthError> {
 /// If the scene does not pass its own check; [`TruthError::Unsupported`] for metallic-roughness materials, second sets of coordinates
 /// beside that of light maps, and tone mapping.
 pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, TruthError> {
+    computed(scene, (width, height), samples, false)
+}
+
+/// As [`frame`], but mirrors (materials with a reflection) show what their rays meet: one bounce, after which mirrors show their
+/// environments. The light that a ray meets ends at 1, as that of surfaces does.
+///
+/// # Errors
+/// As [`frame`].
+pub fn frame_by_rays(
+    scene: &Scene,
+    width: u32,
+    height: u32,
+    samples: u32,
+) -> Result<Truth, TruthError> {
+    computed(scene, (width, height), samples, true)
+}
+
+fn computed(
+    scene: &Scene,
+    (width, height): (u32, u32),
+    samples: u32,
+    traces: bool,
+) -> Result<Truth, TruthError> {
     scene.check()?;
     known(scene)?;
     let scene = &*texmap_mesh::tessellate(scene, width)?;
     let samples = samples.max(1);
-    let world = World::new(scene, (width, height), samples)?;
+    let mut world = World::new(scene, (width, height), samples)?;
+    world.traces = traces;
     let pixels: Vec<Pixel> = (0..width * height)
         .into_par_iter()
         .map(|i| pixel(&world, i % width, i / width, samples))

@@ -383,12 +383,26 @@ impl<'s> Surface<'s> {
                 direction: -pinhole.direction(x, y),
                 changes: [-pinhole.right, -pinhole.down],
             },
+            mirrored: false,
         }
     }
 
+    /// O, U, V about another point than the eye.
+    fn frame_about(&self, point: DVec3) -> Option<PlanarTexgen> {
+        let world = self
+            .mesh
+            .texture_frame?
+            .transform(self.mesh.world_from_object);
+        let frame = TextureFrame::new(world.o - point, world.u, world.v);
+        frame.ok().map(|frame| frame.texgen())
+    }
+
     fn place(&self, triangle: u32, hit: &Hit, pinhole: &Pinhole, x: f64, y: f64) -> Place {
-        let Some(PlanarTexgen { a, b, c }) =
-            self.frame.filter(|_| self.mesh.uv_projection.is_none())
+        let from_eye = match pinhole.eye == self.scene.camera.eye {
+            true => self.frame,
+            false => self.frame.and_then(|_| self.frame_about(pinhole.eye)),
+        };
+        let Some(PlanarTexgen { a, b, c }) = from_eye.filter(|_| self.mesh.uv_projection.is_none())
         else {
             return self.vertex_place(triangle, hit);
         };

@@ -1,12 +1,14 @@
 //! One ray of the eye: what it meets, in which order that is drawn, and the colour that it leaves.
 
-use texmap_math::glam::DVec4;
+use texmap_math::glam::{DVec3, DVec4};
 use texmap_raster::{Cull, DepthTest};
 use texmap_scene::{AlphaMode, Shading};
 
 use super::color::over;
+use super::environment::Ray;
+use super::lighting::Point;
 use super::world::World;
-use crate::caster::Hit;
+use crate::caster::{Hit, Pinhole};
 
 /// Two distances along a ray closer than this part of their size are one depth: the resolution of the
 /// renderer's f32 depth buffer, so that surfaces in one plane tie here too.
@@ -24,13 +26,21 @@ pub(super) struct Visible {
 impl World<'_> {
     /// The surfaces along the ray through (x, y).
     pub(super) fn look(&self, x: f64, y: f64) -> Visible {
-        let (eye, direction) = (self.pinhole.eye, self.pinhole.direction(x, y));
+        self.look_from(&self.pinhole, None, x, y)
+    }
+
+    /// The surfaces along a ray of a pinhole, but for one mesh.
+    fn look_from(&self, pinhole: &Pinhole, but: Option<usize>, x: f64, y: f64) -> Visible {
+        let (eye, direction) = (pinhole.eye, pinhole.direction(x, y));
         let (near, far) = (self.scene.camera.near, self.scene.camera.far);
         let mut met: Vec<((usize, u32), Hit)> = Vec::new();
         self.rays
             .candidates(eye, direction, (0.0, far), |owner, end| {
                 let surface = &self.surfaces[owner.0];
-                let hit = self.pinhole.meet(x, y, &surface.corners(owner.1));
+                if but == Some(owner.0) {
+                    return end;
+                }
+                let hit = pinhole.meet(x, y, &surface.corners(owner.1));
                 let Some(hit) = hit.filter(|hit| hit.t >= near && hit.t <= far) else {
                     return end;
                 };
@@ -40,7 +50,7 @@ impl World<'_> {
                     Cull::Back => !front,
                     Cull::Front => front,
                 };
-                if culled || !surface.kept(owner.1, &hit, &self.pinhole, x, y) {
+                if culled || !surface.kept(owner.1, &hit, pinhole, x, y) {
                     return end;
                 }
                 met.push((owner, hit));
@@ -78,25 +88,53 @@ impl World<'_> {
 
     /// Colour of the ray through (x, y), premultiplied linear light. The flag is true if anything blended or a volume is in it.
     pub(super) fn color(&self, visible: &Visible, x: f64, y: f64) -> (DVec4, bool) {
+        self.color_from(&self.pinhole, false, visible, x, y)
+    }
+
+    /// The light that a mirrored ray meets: the scene from a point of a surface. Mirrors in the mirror show their environments.
+    pub(super) fn traced(&self, at: &Point, ray: &Ray) -> DVec3 {
+        let [right, down] = ray.changes;
+        let pinhole = Pinhole {
+            eye: at.position + at.plane * (1e-7 * self.extent),
+            corner: ray.direction,
+            right,
+            down,
+        };
+        // A normal between those of facets may send a ray into its own facet.
+        let but = (ray.direction.dot(at.plane) <= 0.0).then_some(at.owner.0);
+        let visible = self.look_from(&pinhole, but, 0.0, 0.0);
+        let (color, _) = self.color_from(&pinhole, true, &visible, 0.0, 0.0);
+        color.truncate()
+    }
+
+    fn color_from(
+        &self,
+        pinhole: &Pinhole,
+        mirrored: bool,
+        visible: &Visible,
+        x: f64,
+        y: f64,
+    ) -> (DVec4, bool) {
         let shade = |owner: (usize, u32), hit: &Hit| {
             let surface = &self.surfaces[owner.0];
-            let point = surface.point(owner, hit, &self.pinhole, x, y);
+            let mut point = surface.point(owner, hit, pinhole, x, y);
+            point.mirrored = mirrored;
             surface.shade(self, &point, hit)
         };
         let mut color = match &visible.solid {
             Some((owner, hit)) => shade(*owner, hit),
-            None => self.behind.color(&self.environments, &self.pinhole, x, y),
+            None => self.behind.color(&self.environments, pinhole, x, y),
         };
         let mut mixed = !visible.blended.is_empty();
         for (owner, hit) in &visible.blended {
             color = over(shade(*owner, hit), color);
         }
-        let ray = self.pinhole.direction(x, y);
+        let ray = pinhole.direction(x, y);
         let end = visible
             .solid
             .map_or(f64::INFINITY, |(_, hit)| hit.t * ray.length());
         for matter in &self.volumes {
-            let seen = matter.seen(self.pinhole.eye, ray.normalize(), end);
+            let seen = matter.seen(pinhole.eye, ray.normalize(), end);
             mixed |= seen.w > 0.0;
             color = over(seen, color);
         }

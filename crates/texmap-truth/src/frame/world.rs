@@ -16,6 +16,8 @@ use crate::rays::{RayObject, RayScene};
 
 pub(super) struct World<'s> {
     pub(super) scene: &'s Scene,
+    /// Mirrors show what their rays meet, in place of their environments.
+    pub(super) traces: bool,
     /// Rays of the samples.
     pub(super) pinhole: Pinhole,
     pub(super) surfaces: Vec<Surface<'s>>,
@@ -62,6 +64,7 @@ impl<'s> World<'s> {
         let projectors = &effects.projectors;
         Ok(Self {
             scene,
+            traces: false,
             pinhole: Pinhole::of_camera(&scene.camera, width * samples, height * samples)?,
             surfaces,
             rays: RayScene::new(scene.meshes.iter().map(RayObject::Mesh)),

@@ -1,5 +1,7 @@
-//! `texmap env`: environments from layout to layout, blurred to specular maps, and prefiltered for image-based light.
+//! `texmap env`: environments from layout to layout or seen from a point of a scene, blurred to specular maps, and prefiltered for
+//! image-based light.
 
+mod capture;
 mod faces;
 mod prefilter;
 
@@ -9,19 +11,23 @@ use clap::Args;
 use texmap_io::PictureFormat;
 use texmap_light::{Environment, EnvironmentLayout, LightError};
 
+use crate::cmd::Root;
 use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure, say};
 use crate::formats;
 use crate::output::{Destination, Stage, distinct};
+use crate::values::Triple;
 use faces::{Faces, Picture, with_suffix};
 use prefilter::Lobe;
 
-/// Convert an environment from one layout to another, blur it to a specular map, or prefilter it for image-based light.
+/// Convert an environment from one layout to another or see it from a point of a scene, blur it to a specular map, or prefilter it for
+/// image-based light.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Layouts: cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.\n\
     Several faces stand below each other: +X -X +Y -Y +Z -Z of a cube, +Z -Z of the paraboloids.\n\
     PNG holds sRGB from 0 to 1, HDR linear light from 0, EXR all of it. docs/generated/charts.md tells which layout is best.\n\n\
+    From a scene:      texmap env --from-scene room.scene --object cow -o cow.exr\n\
     Six faces:         texmap env sky.hdr --to cube --faces files -o sky.exr\n\
     A specular map:    texmap env sky.hdr --to octahedron --blur 50 -o glossy.hdr\n\
     A prefiltered map: texmap env sky.hdr --prefilter ggx --size 256 -o sky.exr\n\
@@ -30,21 +36,37 @@ use prefilter::Lobe;
 )]
 pub(crate) struct EnvArgs {
     /// The environment: PNG, JPEG, HDR or EXR
-    image: PathBuf,
+    #[arg(required_unless_present = "from_scene", conflicts_with = "from_scene")]
+    image: Option<PathBuf>,
+    /// Take the six views of this scene from a point, --at or --object, in linear light; write .exr or .hdr to keep light beyond 1
+    #[arg(long, value_name = "SCENE", conflicts_with = "from")]
+    from_scene: Option<PathBuf>,
+    /// The point in the world
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        allow_hyphen_values = true,
+        requires = "from_scene",
+        conflicts_with = "object"
+    )]
+    at: Option<Triple>,
+    /// The middle of the mesh or model of this name, which is left out
+    #[arg(long, value_name = "NAME", requires = "from_scene")]
+    object: Option<String>,
     /// The file to write; its ending (.png, .jpg, .webp, .hdr, .exr) sets the format
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// The layout of the image
     #[arg(long, value_name = "LAYOUT", default_value = "lat-long")]
     from: EnvironmentLayout,
-    /// The layout to write [default with --prefilter: cube]
-    #[arg(long, value_name = "LAYOUT", required_unless_present = "prefilter")]
+    /// The layout to write [default with --prefilter and --from-scene: cube]
+    #[arg(long, value_name = "LAYOUT", required_unless_present_any = ["prefilter", "from_scene"])]
     to: Option<EnvironmentLayout>,
     /// Arrangement of the faces of a cube in pictures
     #[arg(long, value_name = "HOW", default_value = "strip")]
     faces: Faces,
     /// Height of a face in texels [default: as many texels in all as the image has; a power of two of at most so many for
-    /// --prefilter]
+    /// --prefilter; 256 for --from-scene]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8192))]
     size: Option<u32>,
     /// Gather the light of a highlight with this exponent around each direction: a specular map
@@ -56,6 +78,8 @@ pub(crate) struct EnvArgs {
     /// Levels of --prefilter: roughness 0 to 1 in even steps [default: down to 4 texels a face]
     #[arg(long, value_name = "N", requires = "prefilter", value_parser = clap::value_parser!(u32).range(2..=14))]
     levels: Option<u32>,
+    #[command(flatten)]
+    root: Root,
     /// Print a report as JSON to standard output
     #[arg(long)]
     pub(crate) json: bool,
@@ -88,7 +112,8 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
             "name a file",
         ));
     }
-    distinct([&args.output], [&args.image])?;
+    let given: Vec<&PathBuf> = args.image.iter().chain(&args.from_scene).collect();
+    distinct([&args.output], &given)?;
     let format = match args.prefilter {
         None => formats::picture("-o", &args.output)?,
         Some(_) => match formats::ending("-o", &args.output, &["exr", "hdr"])? {
@@ -96,7 +121,17 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
             _ => PictureFormat::Exr,
         },
     };
-    let source = texmap_io::read_environment(&args.image, args.from)?;
+    let files = args.root.files()?;
+    let (source, point) = match (&args.image, &args.from_scene) {
+        (Some(image), _) => (texmap_io::read_environment(image, args.from)?, None),
+        (None, Some(scene)) => {
+            let (seen, point) = capture::captured(args, scene, &files)?;
+            (seen, Some(point))
+        }
+        (None, None) => return Err(Failure::internal("no environment")),
+    };
+    let mut inputs = files.recorded();
+    inputs.extend(given.into_iter().cloned());
     let (pictures, size) = match args.prefilter {
         None => converted(args, &source, to)?,
         Some(Lobe::Ggx) => prefiltered(args, &source, to)?,
@@ -110,7 +145,7 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
         };
         for picture in faces {
             let name = picture.name(&path);
-            distinct([&name], [&args.image])?;
+            distinct([&name], &inputs)?;
             let place = stage.add(Destination::new(&name)?, format.ending());
             let (width, height) = (picture.width, picture.height);
             let lost = texmap_io::write_light(&place, width, height, &picture.texels)?;
@@ -120,8 +155,9 @@ pub(crate) fn run(args: &EnvArgs) -> Result<Exit, Failure> {
     }
     stage.commit()?;
     let (width, height) = size;
+    let seen = point.map_or_else(String::new, |point| format!(", seen from {point}"));
     say(&format!(
-        "{}: {}, {width} x {height} texels a face\n",
+        "{}: {}, {width} x {height} texels a face{seen}\n",
         args.output.display(),
         to.name()
     ));
@@ -141,6 +177,7 @@ fn converted(
     let enough = height_of(to, enough);
     let size = args.size.unwrap_or(enough);
     let result = match args.blur {
+        None if args.from_scene.is_some() && source.layout() == to => source.clone(),
         None => source.convert(to, size).map_err(refused(size))?,
         Some(exponent) => {
             if size > 64.max(2 * enough) {

@@ -5,7 +5,10 @@ use std::str::FromStr;
 
 use clap::Args;
 use texmap_io::framing::{AUTO_FOV, Bounds, Framing, Up, View};
-use texmap_io::{CameraAxes, CameraList, CameraPath, CameraPose, FileSource, Intrinsics};
+use texmap_io::{
+    CameraAxes, CameraList, CameraPath, CameraPose, FileSource, Intrinsics, LightPath,
+};
+use texmap_light::Light;
 use texmap_math::camera::{Camera, Lens};
 use texmap_math::glam::DVec3;
 use texmap_scene::Scene;
@@ -17,6 +20,7 @@ use crate::values::{self, Triple};
 /// Position and direction of the camera, and the number of pictures.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Camera")]
+#[command(group = clap::ArgGroup::new("paths").args(["path", "light_path"]).multiple(true))]
 pub(crate) struct CameraArgs {
     /// The camera of a glTF model, by its name or number (`texmap info` lists them) [default: one that shows the whole model]
     #[arg(long = "camera", value_name = "NAME|N", conflicts_with_all = ["view", "views", "cameras", "path", "turntable"])]
@@ -78,8 +82,15 @@ pub(crate) struct CameraArgs {
     /// A walk: key positions of the camera, [{"eye":[x,y,z],"look":[x,y,z],"up":..,"fov":..}, ...]
     #[arg(long, value_name = "CAMERA.json", requires = "frames", conflicts_with_all = ["views", "camera_eye", "camera_look", "camera_up", "fov", "camera_matrix", "intrinsics", "cameras"])]
     pub(crate) path: Option<PathBuf>,
-    /// Pictures along the walk, numbered from 0
-    #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// A light that moves over the scene: key positions, [{"position":[x,y,z],"look":[x,y,z]} or {"direction":..}, "color":[r,g,b], ...]. Light
+    /// maps must hold the other lights (`texmap bake --except LIGHT`): its own light is baked onto them for each picture
+    #[arg(long, value_name = "LIGHT.json", requires = "frames", conflicts_with_all = ["views", "turntable", "cameras"])]
+    pub(crate) light_path: Option<PathBuf>,
+    /// The light of --light-path, by its name or number [default: the last of the scene]
+    #[arg(long, value_name = "NAME|N", requires = "light_path")]
+    pub(crate) light: Option<String>,
+    /// Pictures along the paths, numbered from 0
+    #[arg(long, value_name = "N", requires = "paths", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) frames: Option<u32>,
     /// Pictures a second of a GIF or APNG
     #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = rate)]
@@ -149,6 +160,7 @@ impl FromStr for Quad {
 #[derive(Debug, Default)]
 pub(crate) struct CameraFiles {
     walk: Option<CameraPath>,
+    light: Option<LightPath>,
     list: Option<CameraList>,
 }
 
@@ -157,6 +169,8 @@ pub(crate) struct CameraFiles {
 pub(crate) struct Shot {
     pub(crate) name: Option<String>,
     pub(crate) camera: Camera,
+    /// The light that moves, where it stands.
+    pub(crate) light: Option<Light>,
 }
 
 impl CameraArgs {
@@ -165,6 +179,7 @@ impl CameraArgs {
         let list = self.cameras.as_deref();
         Ok(CameraFiles {
             walk: None,
+            light: None,
             list: list.map(|p| CameraList::read_from(p, files)).transpose()?,
         })
     }
@@ -175,9 +190,10 @@ impl CameraArgs {
         files: &FileSource,
         list: CameraFiles,
     ) -> Result<CameraFiles, Failure> {
-        let walk = self.path.as_deref();
+        let (walk, light) = (self.path.as_deref(), self.light_path.as_deref());
         Ok(CameraFiles {
             walk: walk.map(|p| CameraPath::read_from(p, files)).transpose()?,
+            light: light.map(|p| LightPath::read_from(p, files)).transpose()?,
             ..list
         })
     }
@@ -226,7 +242,11 @@ pub(crate) fn shots(
     let (camera, size) = (&args.camera, args.resolution);
     let aspect = f64::from(size.width) / f64::from(size.height);
     let framing = camera.framing(input);
-    let unnamed = |camera: Camera| Shot { name: None, camera };
+    let unnamed = |camera: Camera| Shot {
+        name: None,
+        camera,
+        light: None,
+    };
     let empty = || {
         let why = "--view, --views and --turntable frame what is there";
         Failure::new(
@@ -236,8 +256,22 @@ pub(crate) fn shots(
             why,
         )
     };
-    if let (Some(walk), Some(frames)) = (&files.walk, camera.frames) {
-        let shot = |i| unnamed(walk.camera(&scene.camera, i, frames));
+    if let Some(frames) = camera.frames {
+        let light = match &files.light {
+            Some(path) => Some((path, moving(camera, scene)?)),
+            None => None,
+        };
+        let standing = match files.walk {
+            Some(_) => scene.camera,
+            None => single(args, input, scene, framing, aspect)?,
+        };
+        let shot = |i| Shot {
+            light: light.and_then(|(path, light)| path.light(&scene.lights[light], i, frames)),
+            ..unnamed(match &files.walk {
+                Some(walk) => walk.camera(&scene.camera, i, frames),
+                None => standing,
+            })
+        };
         return Ok((0..frames).map(shot).collect());
     }
     if let Some(list) = &files.list {
@@ -246,6 +280,7 @@ pub(crate) fn shots(
         let shot = |c: texmap_io::NamedCamera| Shot {
             name: c.name,
             camera: c.camera,
+            light: None,
         };
         return Ok(cameras.into_iter().map(shot).collect());
     }
@@ -265,11 +300,37 @@ pub(crate) fn shots(
             Ok(Shot {
                 name: Some(view.name().to_owned()),
                 camera: framing.camera(scene, aspect).ok_or_else(empty)?,
+                light: None,
             })
         };
         return camera.views.iter().map(shot).collect();
     }
     single(args, input, scene, framing, aspect).map(|camera| vec![unnamed(camera)])
+}
+
+/// The index of the light that moves.
+pub(crate) fn moving(flags: &CameraArgs, scene: &Scene) -> Result<usize, Failure> {
+    let count = scene.lights.len();
+    let refused = |what: String| {
+        let why = "name a light that has a place or a direction (`ld`, `lp`, `ls`), by a `name` line or its number from 0";
+        Failure::usage(what, why)
+    };
+    let index = match flags.light.as_deref() {
+        None => count.checked_sub(1),
+        Some(text) => match text.parse::<usize>() {
+            Ok(number) => Some(number).filter(|number| *number < count),
+            Err(_) => Some(
+                scene
+                    .light_named(text)
+                    .map_err(|e| refused(format!("--light {text}: {e}")))?,
+            ),
+        },
+    };
+    let found = index.filter(|index| !matches!(scene.lights[*index], Light::Ambient { .. }));
+    found.ok_or_else(|| match &flags.light {
+        Some(text) => refused(format!("--light {text}: no light that moves")),
+        None => refused("--light-path: the last light of the scene does not move".to_owned()),
+    })
 }
 
 /// The camera of the only picture.

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use texmap_bake::GroundShadow;
+use texmap_bake::{GroundShadow, MovingLight};
 use texmap_io::framing::Up;
 use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, LoadOptions, PictureFormat, npy};
@@ -19,11 +19,12 @@ use texmap_scene::{Scene, SceneError};
 use texmap_truth::picture::Picture;
 use texmap_truth::verify::{Verified, verify, with_wrap};
 
+use crate::cmd::bake::{GUTTER, PCF_SIZE, SHADOW_SIZE};
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
-use crate::cmd::render::camera::{CameraFiles, is_scene, shots};
+use crate::cmd::render::camera::{CameraFiles, Shot, is_scene, moving, shots};
 use crate::cmd::render::light::Lit;
-use crate::cmd::render::plan::{Item, Kind, array_name, heat_name};
+use crate::cmd::render::plan::{Item, Kind, array_name, heat_name, rays_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, ItemReport, SceneReport, TimesReport, milliseconds,
 };
@@ -87,6 +88,14 @@ pub(crate) fn item(
         },
         placed: !scene_file && args.camera.is_placed(),
         load,
+        moving: match args.camera.light_path {
+            Some(_) => {
+                let light = moving(&args.camera, &scene)?;
+                let baked = MovingLight::new(&scene, light, SHADOW_SIZE, PCF_SIZE, GUTTER);
+                Some(baked.map_err(refused_map)?)
+            }
+            None => None,
+        },
         told: RefCell::default(),
     };
     let shots = shots(args, file, &scene, cameras)?;
@@ -120,12 +129,17 @@ pub(crate) fn item(
         Kind::Series(names) => {
             let all = shots.iter().zip(names).zip(0..);
             let pictures = all.map(|((shot, name), number)| {
-                scene.camera = shot.camera;
+                context.set(&mut scene, shot)?;
                 context.picture(&scene, name.clone(), Some((number, shots.len(), shot)))
             });
             pictures.collect()
         }
     }
+}
+
+fn refused_map(error: texmap_render::RenderError) -> Failure {
+    let why = "bake the light maps without the light that moves: texmap bake --except LIGHT";
+    Failure::of_render(error, None, why)
 }
 
 /// The options that an input is loaded with.
@@ -209,11 +223,22 @@ pub(super) struct Context<'a> {
     pub(super) placed: bool,
     /// Milliseconds that loading took.
     pub(super) load: f64,
+    /// The light that moves from picture to picture.
+    pub(super) moving: Option<MovingLight>,
     /// Warnings printed so far: the frames of a walk repeat them.
     pub(super) told: RefCell<BTreeSet<String>>,
 }
 
 impl Context<'_> {
+    /// Puts the camera, and the light that moves, where they stand in a picture.
+    pub(super) fn set(&self, scene: &mut Scene, shot: &Shot) -> Result<(), Failure> {
+        scene.camera = shot.camera;
+        match (&self.moving, shot.light) {
+            (Some(moving), Some(light)) => moving.place(scene, light).map_err(|e| self.refused(e)),
+            _ => Ok(()),
+        }
+    }
+
     /// The frame, and the planner's choice for it if there is a budget.
     /// `light` asks for the colours before they are encoded.
     pub(super) fn draw(
@@ -259,7 +284,8 @@ impl Context<'_> {
         // Those of the user come first: they are written.
         let further = [
             (light, Aov::Color),
-            (self.args.json, Aov::Mesh),
+            (self.args.json || self.args.compare.is_some(), Aov::Mesh),
+            (self.args.compare.is_some(), Aov::Position),
             (self.args.look.wireframe, Aov::Depth),
         ];
         for (wanted, aov) in further {
@@ -344,6 +370,7 @@ impl Context<'_> {
         frame: &Frame,
         store: Store,
         heat: Option<&Picture>,
+        rays: Option<&Picture>,
         mut times: TimesReport,
     ) -> Result<(), Failure> {
         let began = Instant::now();
@@ -393,6 +420,14 @@ impl Context<'_> {
             texmap_io::image_io::write_png(&place, heat.width(), heat.height(), heat.rgba())?;
             if let Some(truth) = &mut report.truth {
                 truth.heat = Some(path.display().to_string());
+            }
+        }
+        if let Some(rays) = rays {
+            let path = rays_name(output);
+            let place = stage.add(Destination::new(&path)?, "png");
+            texmap_io::image_io::write_png(&place, rays.width(), rays.height(), rays.rgba())?;
+            if let Some(report) = &mut report.rays {
+                report.picture = Some(path.display().to_string());
             }
         }
         stage.commit()?;
@@ -491,7 +526,7 @@ impl Context<'_> {
             .into_owned()
     }
 
-    fn refused(&self, error: impl Into<Refusal>) -> Failure {
+    pub(super) fn refused(&self, error: impl Into<Refusal>) -> Failure {
         Failure::of_render(
             error,
             Some(&self.item.input.display().to_string()),

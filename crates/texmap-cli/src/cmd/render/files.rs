@@ -11,11 +11,12 @@ use texmap_truth::picture::Picture;
 
 use crate::cmd::render::camera::Shot;
 use crate::cmd::render::draw::Context;
+use crate::cmd::render::rays::{Compare, compare};
 use crate::cmd::render::report::{Counts, ItemReport, TimesReport, milliseconds};
 use crate::cmd::render::seen::{self, PictureReport};
 use crate::cmd::render::sheet::sheet;
 use crate::cmd::render::write::Store;
-use crate::failure::{Exit, Failure};
+use crate::failure::{Exit, Failure, say};
 use crate::output::{Destination, Stage};
 
 impl Context<'_> {
@@ -54,7 +55,20 @@ impl Context<'_> {
         self.look_at(&mut report, scene, &frame);
         self.strict(&report.warnings)?;
         let heat = truth.map(|t| t.heat);
-        self.write(&mut report, output, &frame, store, heat.as_ref(), times)?;
+        let rays = match self.args.compare {
+            Some(Compare::Rays) => {
+                say("compare: tracing mirror rays, which is slow\n");
+                let shaped = texmap_mesh::tessellate(scene, self.args.resolution.width);
+                let shaped = shaped.map_err(|e| self.refused(e))?;
+                let (picture, rays) = compare(&shaped, &frame)?;
+                say(&rays.words());
+                report.rays = Some(rays);
+                Some(picture)
+            }
+            None => None,
+        };
+        let (heat, rays) = (heat.as_ref(), rays.as_ref());
+        self.write(&mut report, output, &frame, store, heat, rays, times)?;
         Ok(report)
     }
 
@@ -116,7 +130,7 @@ impl Context<'_> {
                 "end the name with .png, .jpg or .webp, or write {view} into it for a picture each",
             ));
         }
-        self.write(&mut report, output, &frame, store, None, times)?;
+        self.write(&mut report, output, &frame, store, None, None, times)?;
         Ok(report)
     }
 
@@ -135,10 +149,10 @@ impl Context<'_> {
                 .cameras
                 .extend(self.camera(shot.name.clone(), &shot.camera));
         }
-        if !self.args.aov.is_empty() || self.args.verify {
+        if !self.args.aov.is_empty() || self.args.verify || self.args.compare.is_some() {
             return Err(Failure::usage(
-                "an animation has no arrays and no heat picture",
-                "leave out --aov and --verify, or write %04d into a name that ends with .png",
+                "an animation has no arrays and no other pictures",
+                "leave out --aov, --verify and --compare, or write %04d into a name that ends with .png",
             ));
         }
         let Some(output) = self.to_draw(&mut report, output)? else {
@@ -153,7 +167,7 @@ impl Context<'_> {
         let mut times = TimesReport::new(self.load);
         let mut frames = Vec::with_capacity(shots.len());
         for (shot, number) in shots.iter().zip(1..) {
-            scene.camera = shot.camera;
+            self.set(scene, shot)?;
             let label = format!("{} {number}/{}", self.label(), shots.len());
             frames.push(self.cell(&mut report, &mut times, scene, label)?.rgba);
         }

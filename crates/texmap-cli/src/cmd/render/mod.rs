@@ -13,6 +13,7 @@ use crate::cmd::render::camera::CameraArgs;
 use crate::cmd::render::inputs::Inputs;
 use crate::cmd::render::light::LightArgs;
 use crate::cmd::render::look::LookArgs;
+use crate::cmd::render::rays::Compare;
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
 use crate::values::{self, AovArg, Background, LevelName, Resolution};
@@ -25,6 +26,7 @@ mod inputs;
 mod light;
 mod look;
 pub(crate) mod plan;
+mod rays;
 mod report;
 mod seen;
 mod sheet;
@@ -74,6 +76,10 @@ pub(crate) struct RenderArgs {
     /// and of the edges of shadows; room.png gives room.heat.png. Exit code 1 where it is over a budget that the plan promised
     #[arg(long, conflicts_with_all = ["views", "supersample", "dry_run", "wireframe"])]
     verify: bool,
+    /// Draw the picture with ray-traced mirrors too (slow; room.png gives room.rays.png) and tell the error of mapped reflections by the
+    /// distance from the middle of each mirror
+    #[arg(long, value_name = "WHAT", conflicts_with_all = ["views", "dry_run", "wireframe"])]
+    compare: Option<Compare>,
     /// N x N samples per pixel, averaged in linear light [default: 1, or the planner's choice]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     supersample: Option<u32>,

@@ -95,6 +95,7 @@ pub(crate) fn items(
         outputs.extend(mine.into_iter().map(|(path, _)| path));
     }
     let read = inputs.iter().chain(read).chain(&args.camera.path);
+    let read = read.chain(&args.camera.light_path);
     let read = read.chain(&args.camera.cameras).chain(&args.look.texture);
     let read = read.map(PathBuf::as_path).chain(args.light.picture());
     distinct(outputs, read)?;
@@ -109,7 +110,8 @@ fn destinations(args: &RenderArgs, item: &Item) -> Result<Vec<(PathBuf, Destinat
         let beside = args.aov.iter().filter(|_| !layers);
         let arrays = beside.map(|aov| array_name(picture, &aov.name));
         let heat = args.verify.then(|| heat_name(picture));
-        let beside: Vec<PathBuf> = arrays.chain(heat).collect();
+        let rays = args.compare.map(|_| rays_name(picture));
+        let beside: Vec<PathBuf> = arrays.chain(heat).chain(rays).collect();
         for path in [picture.to_owned()].into_iter().chain(beside) {
             let destination = Destination::new(&path)?;
             all.push((path, destination));
@@ -126,6 +128,11 @@ pub(crate) fn array_name(picture: &Path, aov: &str) -> PathBuf {
 /// `room.png` gives `room.heat.png`, the map of its errors.
 pub(crate) fn heat_name(picture: &Path) -> PathBuf {
     picture.with_extension("heat.png")
+}
+
+/// `room.png` gives `room.rays.png`, the picture by mirror rays.
+pub(crate) fn rays_name(picture: &Path) -> PathBuf {
+    picture.with_extension("rays.png")
 }
 
 /// Estimate of the bytes in use while one picture is drawn: program, scene, frame and its file, arrays.

@@ -14,6 +14,7 @@ use texmap_scene::{ColorMode, Scene};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, TruthReport};
+use crate::cmd::render::rays::RaysReport;
 use crate::cmd::render::seen::PictureReport;
 use crate::failure::{ErrorBody, Exit, Failure};
 use crate::values;
@@ -118,6 +119,8 @@ pub(crate) struct ItemReport {
     pub(crate) plans: Vec<PlanReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) truth: Option<TruthReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) rays: Option<RaysReport>,
     pub(crate) warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) error: Option<ErrorBody>,

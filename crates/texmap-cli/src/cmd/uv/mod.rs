@@ -54,6 +54,9 @@ pub(crate) struct UvArgs {
     /// Size of one picture in object units, for --map plane by position
     #[arg(long, value_name = "W,H", value_parser = list::<2>)]
     tile: Option<List<2>>,
+    /// Map the faces above and below onto the side of the cylinder or cone as well
+    #[arg(long)]
+    no_caps: bool,
     /// Unwrap faces across the seam and fan the poles
     #[arg(long)]
     fix_seams: bool,
@@ -275,6 +278,11 @@ fn check(args: &UvArgs) -> Result<(), Failure> {
         "--map cylinder, cone or sphere",
     )?;
     needs(
+        args.no_caps && !matches!(args.map, Some(Map::Cylinder | Map::Cone)),
+        "--no-caps",
+        "--map cylinder or cone",
+    )?;
+    needs(
         args.eye.is_some() && args.by != By::Reflection,
         "--eye",
         "--by reflection",
@@ -369,6 +377,7 @@ fn mapping(args: &UvArgs, map: Map) -> Mapping {
         tile: args.tile.map(|l| l.0),
         repeat: args.repeat.map_or([1.0; 2], |l| l.0),
         fix_seams: args.fix_seams,
+        caps: !args.no_caps,
         origin: Origin::BottomLeft,
         ..Mapping::new(shape)
     }

@@ -44,6 +44,8 @@ const AREA: Check = |v, i| unless(i < 3 || v[i] > 0.0, "more than 0");
 const SHARE: Check = |v, i| unless((0.0..=1.0).contains(&v[i]), "a share of 0 to 1");
 const SOFTNESS: Check = |v, i| unless((0.0..=0.5).contains(&v[i]), "0 to 0.5");
 const EXPONENT: Check = |v, i| unless(v[i] >= 0.0, "an exponent of 0 or more");
+/// Two corners of a box, the least first.
+const CORNERS: Check = |v, i| unless(i < 3 || v[i] > v[i - 3], "more than the first corner has");
 const WAVES: Check = |v, i| unless(is_whole(v[i], 1.0, 65_535.0), "a whole number, 1 to 65535");
 
 /// Lighting and its maps.
@@ -137,12 +139,17 @@ pub(super) const SPECS: &[Spec] = &[
                 File,
                 LAYOUT,
                 Floats("share", SHARE),
-                Optional(&[OneOf(&["mips"])]),
+                Options(&[
+                    &[OneOf(&["mips"])],
+                    &[OneOf(&["box"]), Floats("x0 y0 z0 x1 y1 z1", CORNERS)],
+                    &[OneOf(&["at"]), Floats("x y z", any)],
+                    &[OneOf(&["map"]), File],
+                ]),
             ],
             &[OneOf(&["none"])],
         ])],
-        default: "none, without mips",
-        help: "setting: surfaces reflect this share of an environment; PNG and JPEG are sRGB, HDR and EXR linear light, below 0 too. With `mips` a pixel that reflects many texels reads their mean",
+        default: "none, without mips, infinitely far, at the middle of the box",
+        help: "setting: surfaces reflect this share of an environment; PNG and JPEG are sRGB, HDR and EXR linear light, below 0 too. With `mips` a pixel that reflects many texels reads their mean. `box`: the environment shows the walls of this box as they are seen from the point `at`, and mirrors away from it show them where they are. `map`: the red channel of a picture multiplies the share",
         set: Fallible(environments::reflection),
     },
     Spec {

@@ -1,0 +1,244 @@
+//! Environments captured from a point of a scene, and mirrors that lead their rays to the walls of a box.
+
+use texmap_bake::{capture_environment, capture_environment_at, center_of};
+use texmap_light::{Light, ReflectionBox};
+use texmap_math::camera::Camera;
+use texmap_math::glam::DVec3;
+use texmap_render::{RenderSettings, no_progress, render};
+use texmap_scene::{Emission, Material, Mesh, Reflection, Scene, Shading};
+use texmap_truth::{frame, frame_by_rays};
+
+const HALF: f32 = 2.0;
+
+/// A closed room whose walls shine in six colours, and a mirror away from its middle.
+fn room() -> Scene {
+    let camera = Camera {
+        eye: DVec3::new(0.2, 0.3, 1.8),
+        look: DVec3::new(0.9, -0.2, 0.1),
+        up: DVec3::Y,
+        fov_x: 0.9,
+        near: 1e-3,
+        far: f64::INFINITY,
+        lens: Default::default(),
+    };
+    let mut scene = Scene::new(camera);
+    scene.lights = vec![Light::Ambient { color: [0.0; 3] }];
+    let colors = [
+        [0.9, 0.1, 0.1],
+        [0.1, 0.8, 0.2],
+        [0.2, 0.2, 0.9],
+        [0.8, 0.8, 0.1],
+        [0.1, 0.7, 0.8],
+        // Brighter than white.
+        [2.5, 1.5, 3.0],
+    ];
+    for (side, color) in colors.into_iter().enumerate() {
+        let (axis, sign) = (side / 2, if side % 2 == 0 { HALF } else { -HALF });
+        let corner = |s: f32, t: f32| {
+            let mut p = [0.0; 3];
+            p[axis] = sign;
+            p[(axis + 1) % 3] = s * HALF;
+            p[(axis + 2) % 3] = t * HALF;
+            p
+        };
+        scene.materials.push(Material {
+            shading: Shading::PerPixel,
+            emission: Some(Emission { color, map: None }),
+            phong: texmap_light::PhongMaterial {
+                color: [0.0; 3],
+                ..Default::default()
+            },
+            ..Material::default()
+        });
+        scene.meshes.push(Mesh {
+            name: format!("wall {side}"),
+            material: side,
+            ..Mesh::quad([
+                corner(-1.0, -1.0),
+                corner(1.0, -1.0),
+                corner(1.0, 1.0),
+                corner(-1.0, 1.0),
+            ])
+        });
+    }
+    scene
+}
+
+#[test]
+fn a_point_sees_the_walls_in_linear_light() {
+    let scene = room();
+    let point = DVec3::new(0.4, -0.3, 0.5);
+    let seen = capture_environment_at(&scene, point, &[], 16).unwrap();
+    let colors = [
+        [0.9, 0.1, 0.1],
+        [0.1, 0.8, 0.2],
+        [0.2, 0.2, 0.9],
+        [0.8, 0.8, 0.1],
+        [0.1, 0.7, 0.8],
+        [2.5, 1.5, 3.0],
+    ];
+    let directions = [
+        DVec3::X,
+        -DVec3::X,
+        DVec3::Y,
+        -DVec3::Y,
+        DVec3::Z,
+        -DVec3::Z,
+    ];
+    for (direction, color) in directions.into_iter().zip(colors) {
+        let light = seen.radiance(direction.as_vec3().to_array());
+        let apart = (0..3)
+            .map(|k| (light[k] - color[k]).abs())
+            .fold(0.0, f32::max);
+        assert!(apart < 1e-5, "{direction}: {light:?}");
+    }
+    // Edges of walls lie where the point sees them, not where the middle does.
+    let edge = DVec3::new(2.0, 1.9, 0.0) - point;
+    let light = seen.radiance(edge.as_vec3().to_array());
+    assert!(light[0] > light[2], "{light:?}");
+    // The environment of a mesh is that of its middle in codes of 8 bits, which end at 1.
+    let clipped = capture_environment(&scene, 0, 16).unwrap();
+    assert_eq!(center_of(&scene, &[0]).unwrap(), DVec3::new(2.0, 0.0, 0.0));
+    let most = clipped.radiance([0.0, 0.0, -1.0]);
+    assert!(most.iter().all(|c| *c <= 1.0), "{most:?}");
+    assert!(capture_environment_at(&scene, point, &[6], 16).is_err());
+    assert!(capture_environment_at(&scene, DVec3::NAN, &[], 16).is_err());
+}
+
+/// Mirror rays show the room itself: a mirror that leads its rays to the walls shows what they meet, and an environment that is infinitely
+/// far does not.
+#[test]
+fn led_mirrors_show_what_rays_meet() {
+    let mut scene = room();
+    // Nothing is clipped on the way: light ends at 1.
+    for material in &mut scene.materials {
+        if let Some(emission) = &mut material.emission {
+            emission.color = emission.color.map(|c| c.min(0.9));
+        }
+    }
+    let center = [0.0, 0.2, -0.1];
+    let seen = capture_environment_at(&scene, DVec3::from(center.map(f64::from)), &[], 256);
+    scene.effects.environments.push(seen.unwrap());
+    let walls = ReflectionBox {
+        low: [-HALF; 3],
+        high: [HALF; 3],
+        center,
+    };
+    let reflection = |within| {
+        Some(Reflection {
+            environment: 0,
+            reflectivity: 1.0,
+            within,
+        })
+    };
+    scene.materials.push(Material {
+        phong: texmap_light::PhongMaterial {
+            color: [0.0; 3],
+            ..Default::default()
+        },
+        reflection: reflection(Some(walls)),
+        ..Material::default()
+    });
+    let mut ball = Mesh::sphere(32, 16);
+    ball.world_from_object = texmap_math::glam::DMat4::from_scale_rotation_translation(
+        DVec3::splat(0.5),
+        Default::default(),
+        DVec3::new(0.9, -0.2, 0.1),
+    );
+    ball.material = 6;
+    scene.meshes.push(ball);
+    let size = (64, 48);
+    let traced = frame_by_rays(&scene, size.0, size.1, 1).unwrap();
+    let differing = |scene: &Scene| {
+        let mapped = frame(scene, size.0, size.1, 1).unwrap();
+        let codes = mapped.codes().into_iter().zip(traced.codes());
+        codes.filter(|(a, b)| (a - b).abs() > 8.0).count()
+    };
+    // Walls of one colour each differ at their edges alone.
+    let led = differing(&scene);
+    scene.materials[6].reflection = reflection(None);
+    let far = differing(&scene);
+    assert!(led * 5 < far && far > 500, "{led} {far}");
+    let plain = frame(&room(), size.0, size.1, 1).unwrap();
+    let same = frame_by_rays(&room(), size.0, size.1, 1).unwrap();
+    assert_eq!(
+        plain.codes(),
+        same.codes(),
+        "without mirrors nothing changes"
+    );
+}
+
+/// A mirror that leads its rays to the walls is that of the f64 frame, and without the walls it is another picture.
+#[test]
+fn led_mirrors_are_those_of_the_reference() {
+    let mut scene = room();
+    let center = [0.0, 0.2, -0.1];
+    let environment =
+        capture_environment_at(&scene, DVec3::from(center.map(f64::from)), &[], 64).unwrap();
+    scene.effects.environments.push(environment.with_mips());
+    let walls = ReflectionBox {
+        low: [-HALF; 3],
+        high: [HALF; 3],
+        center,
+    };
+    scene.materials.push(Material {
+        phong: texmap_light::PhongMaterial {
+            color: [0.0; 3],
+            ..Default::default()
+        },
+        reflection: Some(Reflection {
+            environment: 0,
+            reflectivity: 0.8,
+            within: Some(walls),
+        }),
+        ..Material::default()
+    });
+    let mut ball = Mesh::sphere(24, 12);
+    ball.world_from_object = texmap_math::glam::DMat4::from_scale_rotation_translation(
+        DVec3::splat(0.5),
+        Default::default(),
+        DVec3::new(0.9, -0.2, 0.1),
+    );
+    ball.material = 6;
+    scene.meshes.push(ball);
+    let settings = RenderSettings::new(96, 72);
+    let drawn = render(&scene, &settings, &no_progress).unwrap();
+    let truth = frame(&scene, 96, 72, 1).unwrap();
+    let codes = truth.codes();
+    let mut over = 0;
+    for (i, (got, want)) in drawn.rgba.iter().zip(&codes).enumerate() {
+        let pixel = i / 4;
+        let (x, y) = (pixel % 96, pixel / 96);
+        let inside = (1..95).contains(&x) && (1..71).contains(&y);
+        let same = |p: usize| truth.seen[p] == truth.seen[pixel];
+        if inside && same(pixel - 1) && same(pixel + 1) && same(pixel - 96) && same(pixel + 96) {
+            // Levels of detail are f32 and their logarithm is off by .005 of a level.
+            over += usize::from((f64::from(*got) - want).abs() > 2.01);
+        }
+    }
+    assert!(over < 8, "{over} values");
+    scene.materials[6].reflection = Some(Reflection {
+        environment: 0,
+        reflectivity: 0.8,
+        within: None,
+    });
+    let far = render(&scene, &settings, &no_progress).unwrap();
+    let differ = far
+        .rgba
+        .iter()
+        .zip(&drawn.rgba)
+        .filter(|(a, b)| a.abs_diff(**b) > 40);
+    assert!(differ.count() > 300);
+    // A point of capture outside of the walls is refused.
+    let outside = ReflectionBox {
+        center: [3.0, 0.0, 0.0],
+        ..walls
+    };
+    scene.materials[6].reflection = Some(Reflection {
+        environment: 0,
+        reflectivity: 0.8,
+        within: Some(outside),
+    });
+    let error = scene.check().unwrap_err().to_string();
+    assert!(error.contains("box of the reflection"), "{error}");
+}
