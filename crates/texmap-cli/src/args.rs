@@ -23,6 +23,14 @@ pub(crate) struct Cli {
     pub(crate) quiet: bool,
 }
 
+const BATCH: &str = "\
+A folder of models:  texmap batch models/*.obj -o 'out/{model}.png' --resolution 512x512
+Again after a stop:  texmap batch models/*.obj -o 'out/{model}.png' --resolution 512x512 --resume
+One of eight tasks:  texmap batch @all.txt -o out/ --shard 3/8
+A task of an array:  texmap batch @all.txt -o out/ --shard auto --shard-count 8
+A picture in bands:  texmap batch big.scene -o out/big.png --resolution 16384x16384 --bands 8, then texmap merge out -o out
+The verb is render if none is named. docs/batch.md tells of manifests, engines and exit codes.";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     Render(Box<cmd::render::RenderArgs>),
@@ -40,6 +48,11 @@ pub(crate) enum Verb {
     Env(cmd::env::EnvArgs),
     Bake(Box<cmd::bake::BakeArgs>),
     Slice(cmd::slice::SliceArgs),
+    /// Run a verb over many items: on all cores, in shards on many machines, and again from where it ended
+    #[command(after_help = BATCH)]
+    Batch(cmd::batch::BatchArgs),
+    #[command(hide = true)]
+    BatchWorker(cmd::batch::worker::WorkerArgs),
     Completions(cmd::manual::CompletionsArgs),
     Man(cmd::manual::ManArgs),
 }
@@ -63,7 +76,8 @@ impl Verb {
             Self::Env(a) => a.json,
             Self::Bake(a) => a.json,
             Self::Slice(a) => a.json,
-            Self::Completions(_) | Self::Man(_) => false,
+            Self::Batch(a) => a.json,
+            Self::BatchWorker(_) | Self::Completions(_) | Self::Man(_) => false,
         }
     }
 }

@@ -8,6 +8,7 @@ use texmap_io::FileSource;
 use crate::failure::Failure;
 
 pub(crate) mod bake;
+pub(crate) mod batch;
 pub(crate) mod chart;
 pub(crate) mod demo;
 pub(crate) mod diff;
