@@ -85,6 +85,8 @@ pub(crate) fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Bake(args) => cmd::bake::run(&args),
         Verb::Slice(args) => cmd::slice::run(&args),
         Verb::Batch(args) => cmd::batch::run(&args),
+        Verb::Shards(args) => cmd::shards::run(&args),
+        Verb::Merge(args) => cmd::merge::run(&args),
         Verb::BatchWorker(args) => cmd::batch::worker::run(&args),
         Verb::Completions(args) => cmd::manual::completions(&args),
         Verb::Man(args) => cmd::manual::man(&args),

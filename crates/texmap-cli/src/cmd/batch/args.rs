@@ -84,7 +84,7 @@ impl BatchVerb {
     }
 
     /// The command of a batch of this verb. An item is checked as a whole by the verb itself: the settings may come from a manifest.
-    fn command(self) -> Command {
+    pub(crate) fn command(self) -> Command {
         let bare = self.bare();
         let has = |id: &str| bare.get_arguments().any(|arg| arg.get_id() == id);
         let (threads, dry_run) = (has(THREADS), has(DRY_RUN));
@@ -230,11 +230,16 @@ pub(crate) struct BatchArgs {
     pub(crate) flags: BatchFlags,
 }
 
+/// The verb of a command line, and its arguments.
+pub(crate) fn verb_of(matches: &ArgMatches) -> Result<(BatchVerb, &ArgMatches), clap::Error> {
+    let missing = || clap::Error::new(clap::error::ErrorKind::MissingSubcommand);
+    let (name, matches) = matches.subcommand().ok_or_else(missing)?;
+    Ok((BatchVerb::of(name).ok_or_else(missing)?, matches))
+}
+
 impl FromArgMatches for BatchArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let missing = || clap::Error::new(clap::error::ErrorKind::MissingSubcommand);
-        let (name, matches) = matches.subcommand().ok_or_else(missing)?;
-        let verb = BatchVerb::of(name).ok_or_else(missing)?;
+        let (verb, matches) = verb_of(matches)?;
         let bare = verb.bare();
         let positional = bare.get_positionals().next().map(Arg::get_id);
         let inputs = positional.and_then(|id| matches.get_many::<PathBuf>(id.as_str()));

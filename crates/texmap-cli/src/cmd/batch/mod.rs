@@ -9,9 +9,9 @@ pub(crate) mod plan;
 mod pool;
 pub(crate) mod record;
 mod run;
-mod settings;
+pub(crate) mod settings;
 pub(crate) mod shard;
-mod state;
+pub(crate) mod state;
 pub(crate) mod worker;
 
 use crate::cmd::batch::args::BatchVerb;

@@ -49,6 +49,9 @@ pub(crate) struct Unit {
     pub(crate) part: UnitPart,
 }
 
+/// The folder of the state in that of the outputs.
+pub(crate) const STATE: &str = ".texmap";
+
 /// A batch, planned.
 #[derive(Debug)]
 pub(crate) struct Plan {
@@ -100,11 +103,20 @@ impl Plan {
                 let words = item.settings.words();
                 [vec![item.id.clone()], words].concat()
             })),
-            state: state.unwrap_or_else(|| base.join(".texmap")),
+            state: state.unwrap_or_else(|| base.join(STATE)),
             items,
             units,
             base,
         })
+    }
+
+    /// The folder of the outputs as a report names it: `..` where the state has its default place, so that both can be moved.
+    pub(crate) fn folder_of_report(&self) -> String {
+        if self.state == self.base.join(STATE) {
+            return "..".to_owned();
+        }
+        let whole = std::path::absolute(&self.base).unwrap_or_else(|_| self.base.clone());
+        whole.to_string_lossy().into_owned()
     }
 
     pub(crate) fn item(&self, unit: &Unit) -> &Item {

@@ -71,6 +71,8 @@ pub(crate) struct Header {
     pub(crate) verb: String,
     /// `I/N`, or the numbers of `--range`.
     pub(crate) shard: String,
+    /// The folder of the outputs, named from that of the report unless it is a whole path.
+    pub(crate) folder: String,
     /// Units of the whole batch.
     pub(crate) units: u64,
     /// Hash of the ids of all of them.

@@ -337,6 +337,7 @@ impl Run<'_> {
                 Shard::Part(part) => part.to_string(),
                 Shard::Ranges(ranges) => ranges.to_string(),
             },
+            folder: self.plan.folder_of_report(),
             units: self.plan.units.len() as u64,
             units_hash: self.plan.units_hash.clone(),
             settings_hash: self.plan.settings_hash.clone(),
