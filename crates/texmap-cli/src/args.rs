@@ -23,6 +23,20 @@ pub(crate) struct Cli {
     pub(crate) quiet: bool,
 }
 
+const BATCH: &str = "\
+A folder of models:  texmap batch models/*.obj -o 'out/{model}.png' --resolution 512x512
+Again after a stop:  texmap batch models/*.obj -o 'out/{model}.png' --resolution 512x512 --resume
+One of eight tasks:  texmap batch @all.txt -o out/ --shard 3/8
+A task of an array:  texmap batch @all.txt -o out/ --shard auto --shard-count 8
+A picture in bands:  texmap batch big.scene -o out/big.png --resolution 16384x16384 --bands 8, then texmap merge out -o out
+The verb is render if none is named. docs/batch.md tells of manifests, engines and exit codes.";
+
+const SHARDS: &str = "\
+Slurm:        texmap shards @all.txt -o 'out/{model}.png' --count 8 --emit slurm > job.sh && sbatch job.sh
+HyperQueue:   texmap shards @all.txt -o out/ --count 8 --emit hyperqueue | sh
+GNU parallel: texmap shards @all.txt -o out/ --count 8 --emit commands | parallel --joblog log --resume-failed
+Then:         texmap merge out -o out";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     Render(Box<cmd::render::RenderArgs>),
@@ -43,6 +57,15 @@ pub(crate) enum Verb {
     Bake(Box<cmd::bake::BakeArgs>),
     Depth(cmd::depth::DepthArgs),
     Slice(cmd::slice::SliceArgs),
+    /// Run a verb over many items: on all cores, in shards on many machines, and again from where it ended
+    #[command(after_help = BATCH)]
+    Batch(cmd::batch::BatchArgs),
+    Merge(cmd::merge::MergeArgs),
+    /// Cut a batch into tasks, with their memory and time, and print them for an engine to submit
+    #[command(after_help = SHARDS)]
+    Shards(cmd::shards::ShardsArgs),
+    #[command(hide = true)]
+    BatchWorker(cmd::batch::worker::WorkerArgs),
     Completions(cmd::manual::CompletionsArgs),
     Man(cmd::manual::ManArgs),
 }
@@ -69,7 +92,10 @@ impl Verb {
             Self::Bake(a) => a.json,
             Self::Depth(a) => a.json,
             Self::Slice(a) => a.json,
-            Self::Completions(_) | Self::Man(_) => false,
+            Self::Batch(a) => a.json,
+            Self::Merge(a) => a.json,
+            Self::Shards(a) => a.batch.json,
+            Self::BatchWorker(_) | Self::Completions(_) | Self::Man(_) => false,
         }
     }
 }

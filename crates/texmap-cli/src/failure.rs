@@ -17,6 +17,7 @@ use texmap_truth::TruthError;
 
 use crate::args::Cli;
 use crate::interrupt;
+use crate::observe;
 use crate::output::shown;
 
 /// Exit codes of the program. The numbers are part of its interface.
@@ -37,6 +38,8 @@ pub(crate) enum Exit {
     OverBudget = 5,
     /// A bug of texmap.
     Internal = 6,
+    /// Not complete yet: the same call may succeed later (`EX_TEMPFAIL` of sysexits.h).
+    Again = 75,
 }
 
 /// One failure: two lines for people, one object for programs.
@@ -281,7 +284,8 @@ pub(crate) fn is_quiet() -> bool {
 
 /// Words that are no failure, to standard error; none after `--quiet`.
 pub(crate) fn say(text: &str) {
-    if !is_quiet() {
+    observe::said(text);
+    if !is_quiet() && !observe::is_on() {
         say_always(text);
     }
 }
@@ -297,17 +301,30 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     deliver(|out| out.write_all(plain(text).as_bytes()))
 }
 
-/// One JSON document and a newline, to standard output.
+/// One JSON document on a line of its own, to standard output.
+pub(crate) fn print_json_line(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string(value)
+        .map_err(|e| Failure::internal(format!("a line could not be written as JSON: {e}")))?;
+    deliver(|out| out.write_all(plain_json(&(text + "\n")).as_bytes()))
+}
+
+/// One JSON document and a newline, to standard output; the report of a task of a batch goes to its observer.
 pub(crate) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    if observe::report(value) {
+        return Ok(());
+    }
     let text = serde_json::to_string_pretty(value)
         .map_err(|e| Failure::internal(format!("the report could not be written as JSON: {e}")))?;
     deliver(|out| out.write_all(plain_json(&(text + "\n")).as_bytes()))
 }
 
-/// Lets `write` write to standard output, and flushes it: errors come when bytes leave.
+/// Lets `write` write to standard output, and flushes it: errors come when bytes leave. Words of a task of a batch are left out.
 pub(crate) fn deliver(
     write: impl FnOnce(&mut io::StdoutLock<'_>) -> io::Result<()>,
 ) -> Result<(), Failure> {
+    if observe::is_on() {
+        return Ok(());
+    }
     let mut out = io::stdout().lock();
     match write(&mut out).and_then(|()| out.flush()) {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::new(

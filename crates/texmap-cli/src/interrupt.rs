@@ -17,6 +17,14 @@ static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 /// True once the first signal is handled; nothing is reported from then on.
 static ENDING: AtomicBool = AtomicBool::new(false);
 
+/// Act before the program ends by a signal.
+static AT_END: Mutex<Option<fn()>> = Mutex::new(None);
+
+/// Calls `act` before the program ends by a signal.
+pub(crate) fn at_end(act: fn()) {
+    *AT_END.lock().unwrap_or_else(PoisonError::into_inner) = Some(act);
+}
+
 /// Starts to watch for signals. If that fails, signals end the program without a clean-up.
 #[cfg(unix)]
 pub(crate) fn watch() {
@@ -68,9 +76,12 @@ fn ignored() -> u64 {
 }
 
 /// Removes the temporary folders and ends the program.
-#[cfg(unix)]
-fn end(code: i32) -> ! {
+pub(crate) fn end(code: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
+    let act = *AT_END.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(act) = act {
+        act();
+    }
     // Held to the end: no output is renamed any more.
     let folders = folders();
     // Threads that still write may put a file into a folder that is being removed.

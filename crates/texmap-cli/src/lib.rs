@@ -3,7 +3,7 @@
 //! Conventions: data goes to standard output, words and progress to standard error. Every file
 //! is written under a temporary name and renamed. Exit codes: 0 done, 1 a comparison or claim
 //! failed, 2 usage, 3 some of several items failed, 4 bad input or output, 5 over a budget (of
-//! memory too), 6 internal error; 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM.
+//! memory too), 6 internal error, 75 not complete yet; 129, 130 and 143 after SIGHUP, SIGINT and SIGTERM.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsString;
@@ -22,6 +22,7 @@ mod failure;
 mod formats;
 mod interrupt;
 mod memory;
+mod observe;
 mod os_name;
 mod output;
 mod picture;
@@ -41,6 +42,7 @@ pub fn main() -> ExitCode {
 }
 
 fn run(arguments: &[OsString]) -> Exit {
+    let arguments = &cmd::batch::with_verb(arguments.to_vec());
     let (json, result) = match Cli::try_parse_from(arguments) {
         Ok(cli) => {
             memory::set_budget(cli.memory_limit);
@@ -64,7 +66,8 @@ fn run(arguments: &[OsString]) -> Exit {
     })
 }
 
-fn dispatch(verb: Verb) -> Result<Exit, Failure> {
+/// Runs a verb.
+pub(crate) fn dispatch(verb: Verb) -> Result<Exit, Failure> {
     match verb {
         Verb::Render(args) => cmd::render::run(&args),
         Verb::Info(args) => cmd::info::run(&args),
@@ -84,6 +87,10 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Bake(args) => cmd::bake::run(&args),
         Verb::Depth(args) => cmd::depth::run(&args),
         Verb::Slice(args) => cmd::slice::run(&args),
+        Verb::Batch(args) => cmd::batch::run(&args),
+        Verb::Shards(args) => cmd::shards::run(&args),
+        Verb::Merge(args) => cmd::merge::run(&args),
+        Verb::BatchWorker(args) => cmd::batch::worker::run(&args),
         Verb::Completions(args) => cmd::manual::completions(&args),
         Verb::Man(args) => cmd::manual::man(&args),
     }

@@ -6,11 +6,34 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use texmap_math::MemoryBudget;
 
+/// The limit of the command line.
+static GIVEN: OnceLock<Option<u64>> = OnceLock::new();
+
+/// The limit of the command line, if there is one.
+pub(crate) fn given() -> Option<u64> {
+    GIVEN.get().copied().flatten()
+}
+
+/// The largest memory of this process since [`forget_peak`], where the system tells.
+pub(crate) fn peak() -> Option<u64> {
+    match of_this_process("VmHWM:") {
+        0 => None,
+        bytes => Some(bytes),
+    }
+}
+
+/// Measures the largest memory from now on (5 resets it: proc(5)).
+pub(crate) fn forget_peak() {
+    let _ = fs::write("/proc/self/clear_refs", "5");
+}
+
 /// Makes `limit` bytes, or three quarters of the grant, the budget of the process.
 pub(crate) fn set_budget(limit: Option<u64>) {
+    let _ = GIVEN.set(limit);
     let budget = match (limit, granted()) {
         (Some(limit), _) => MemoryBudget::measured(limit, resident),
         (None, Some(grant)) => {

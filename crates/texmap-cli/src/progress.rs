@@ -25,6 +25,28 @@ impl Progress {
         Self(bar)
     }
 
+    /// A bar that counts items: "12 of 1000", and the time that is left.
+    pub(crate) fn of_items(what: impl Into<Cow<'static, str>>, of: u64) -> Self {
+        let bar = Self::new(what);
+        bar.0.set_length(of);
+        if let Ok(style) =
+            ProgressStyle::with_template("{prefix} {pos} of {len} [{bar:32}] {eta:>4}")
+        {
+            bar.0.set_style(style.progress_chars("=> "));
+        }
+        bar
+    }
+
+    /// A bar that is not shown.
+    pub(crate) fn hidden() -> Self {
+        Self(ProgressBar::hidden())
+    }
+
+    /// So many items are finished.
+    pub(crate) fn count(&self, done: u64) {
+        self.0.set_position(done);
+    }
+
     /// `done` of `of` tiles are finished; may be called from any thread, in any order.
     pub(crate) fn update(&self, done: usize, of: usize) {
         self.0.set_length(of as u64);

@@ -1,5 +1,7 @@
 //! Values of flags: sizes, points, colours. Each refusal lists the accepted values.
 
+use std::fmt;
+use std::ops::{Range, RangeInclusive};
 use std::str::FromStr;
 use texmap_scene::SceneError;
 
@@ -88,6 +90,95 @@ impl FromStr for AovArg {
                 known: Some(aov),
             }),
         }
+    }
+}
+
+/// `I/N`: one of N parts of about the same size, I counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    pub(crate) index: u32,
+    pub(crate) count: u32,
+}
+
+impl Part {
+    /// The things of the part, if there are so many in all: consecutive ones, and all parts give each once.
+    pub(crate) fn of(self, all: u64) -> Range<u64> {
+        let border = |i: u32| (u128::from(all) * u128::from(i) / u128::from(self.count)) as u64;
+        border(self.index - 1)..border(self.index)
+    }
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(index, count)| {
+            Some(Self {
+                index: index.trim().parse().ok()?,
+                count: count.trim().parse().ok()?,
+            })
+        });
+        match numbers {
+            Some(part) if (1..=part.count).contains(&part.index) => Ok(part),
+            _ => Err("expected I/N with I from 1 to N, as in 3/8".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+/// `0-99,200`: numbers from 0, ranges with both ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Ranges(pub(crate) Vec<RangeInclusive<u64>>);
+
+impl Ranges {
+    pub(crate) fn contains(&self, number: u64) -> bool {
+        self.0.iter().any(|range| range.contains(&number))
+    }
+
+    /// Ranges of ascending numbers.
+    pub(crate) fn of(numbers: impl IntoIterator<Item = u64>) -> Self {
+        let mut ranges: Vec<RangeInclusive<u64>> = Vec::new();
+        for number in numbers {
+            match ranges.last_mut() {
+                Some(last) if last.end() + 1 == number => *last = *last.start()..=number,
+                _ => ranges.push(number..=number),
+            }
+        }
+        Self(ranges)
+    }
+}
+
+impl FromStr for Ranges {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let range = |part: &str| {
+            let (first, last) = part.split_once('-').unwrap_or((part, part));
+            let range = first.trim().parse().ok()?..=last.trim().parse().ok()?;
+            (range.start() <= range.end()).then_some(range)
+        };
+        let ranges: Option<Vec<_>> = text.split(',').map(range).collect();
+        ranges
+            .map(Self)
+            .ok_or_else(|| "expected numbers and ranges from 0, as in 0-99,200".to_owned())
+    }
+}
+
+impl fmt::Display for Ranges {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, range) in self.0.iter().enumerate() {
+            let comma = if index > 0 { "," } else { "" };
+            match range.start() == range.end() {
+                true => write!(f, "{comma}{}", range.start())?,
+                false => write!(f, "{comma}{}-{}", range.start(), range.end())?,
+            }
+        }
+        Ok(())
     }
 }
 
@@ -305,6 +396,33 @@ pub(crate) fn numbers(text: &str) -> Result<Vec<f64>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_give_everything_once() {
+        for (all, count) in [(10, 3), (2, 8), (0, 4), (1000, 7)] {
+            let mut next = 0;
+            for index in 1..=count {
+                let range = Part { index, count }.of(all);
+                assert_eq!(range.start, next);
+                next = range.end;
+            }
+            assert_eq!(next, all);
+        }
+        for bad in ["", "0/3", "4/3", "1", "1/0", "a/b", "-1/2"] {
+            assert!(bad.parse::<Part>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn ranges_are_read_and_written() {
+        let ranges: Ranges = "0-99,200".parse().unwrap();
+        assert!(ranges.contains(99) && ranges.contains(200) && !ranges.contains(100));
+        assert_eq!(ranges.to_string(), "0-99,200");
+        assert_eq!(Ranges::of([1, 2, 3, 7, 9, 10]).to_string(), "1-3,7,9-10");
+        for bad in ["", "3-1", "a", "1,,2", "-1"] {
+            assert!(bad.parse::<Ranges>().is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn a_resolution_takes_both_spellings_and_refuses_the_rest() {

@@ -21,6 +21,18 @@ pub enum RenderError {
         /// Samples per pixel and axis.
         supersample: u32,
     },
+    /// A band of no rows of tiles, or beyond the picture.
+    #[error(
+        "settings: tile_rows is {start}..{end}; the picture has {tiles} rows of tiles, and a band has at least one of them"
+    )]
+    TileRows {
+        /// First row of tiles.
+        start: u32,
+        /// The row of tiles behind the last.
+        end: u32,
+        /// Rows of tiles of the picture.
+        tiles: u32,
+    },
     /// A number of samples per pixel that is not supported.
     #[error("settings: msaa is {samples}; give 1, or 4 without supersampling")]
     Samples {
@@ -77,7 +89,7 @@ impl RenderError {
     pub fn code(&self) -> &'static str {
         match self {
             Self::Scene(error) => error.code(),
-            Self::Samples { .. } => "render-value",
+            Self::Samples { .. } | Self::TileRows { .. } => "render-value",
             Self::Size { .. } => "render-size",
             Self::Threads { .. } => "render-threads",
             Self::Raster { .. } => "render-raster",

@@ -75,17 +75,38 @@ pub fn pixel_hash(frame: &Frame) -> String {
 /// order. It guards against accidents, not against forgery.
 #[must_use]
 pub fn hash_pixels(width: u32, height: u32, bytes: &[u8]) -> String {
-    const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-    const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
-    let size = [width.to_le_bytes(), height.to_le_bytes()];
-    let hash = size
-        .as_flattened()
-        .iter()
-        .chain(bytes)
-        .fold(OFFSET, |hash, byte| {
+    let mut hash = PixelHash::new(width, height);
+    hash.update(bytes);
+    hash.digits()
+}
+
+/// [`hash_pixels`] of pixels that come in parts, in order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PixelHash(u128);
+
+impl PixelHash {
+    /// The hash of a picture of this size, before its first byte.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        let mut hash = Self(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
+        hash.update(&width.to_le_bytes());
+        hash.update(&height.to_le_bytes());
+        hash
+    }
+
+    /// Takes the next bytes.
+    pub fn update(&mut self, bytes: &[u8]) {
+        const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
+        self.0 = bytes.iter().fold(self.0, |hash, byte| {
             (hash ^ u128::from(*byte)).wrapping_mul(PRIME)
         });
-    format!("fnv1a-128:{hash:032x}")
+    }
+
+    /// `fnv1a-128:` and the digits.
+    #[must_use]
+    pub fn digits(&self) -> String {
+        format!("fnv1a-128:{:032x}", self.0)
+    }
 }
 
 #[cfg(test)]

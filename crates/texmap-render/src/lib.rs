@@ -84,7 +84,7 @@ mod tile;
 mod vertices;
 
 pub use error::RenderError;
-pub use frame::{AovData, Frame, HOLE_BITS, Stats, Times, hash_pixels, pixel_hash};
+pub use frame::{AovData, Frame, HOLE_BITS, PixelHash, Stats, Times, hash_pixels, pixel_hash};
 pub use render::{Renderer, no_progress, render, render_ordered};
 pub use settings::{Aov, RenderSettings, UnknownAov};
 pub use shadow::{shadow_map, shadow_map_for};

@@ -197,7 +197,7 @@ impl<'s> Renderer<'s> {
         frame.stats.times.bin = start.elapsed();
 
         let start = Instant::now();
-        let blocks = size.0.div_ceil(TILE) as usize * size.1.div_ceil(TILE) as usize;
+        let blocks = size.0.div_ceil(TILE) as usize * settings.rows_of_tiles().len();
         let counter = Counter {
             done: AtomicUsize::new(0),
             cancelled: AtomicBool::new(false),
@@ -228,7 +228,8 @@ impl<'s> Renderer<'s> {
         }
         frame.stats.times.draw = start.elapsed();
         count(&mut frame.stats, &prepared, covered);
-        if covered == 0 {
+        // A band of background is no fault.
+        if covered == 0 && settings.tile_rows.is_none() {
             frame.warnings.push(nothing_drawn(&frame.stats, scene));
         }
         Ok(())
@@ -261,13 +262,15 @@ impl<'s> Renderer<'s> {
         order: &[usize],
         counter: &Counter<'_>,
     ) -> u64 {
-        let (width, height) = (self.settings.width, self.settings.height);
+        let (width, height) = (self.settings.width, self.settings.frame_height());
         let mut rgba = rgba.map_or(Vec::new(), |rgba| split(rgba, 4, width, height));
         let mut aovs: Vec<_> = aovs
             .into_iter()
             .map(|(aov, channels, data)| (*aov, AovParts::new(data, *channels, width, height)))
             .collect();
-        let mut all: Vec<_> = Block::all(width, height).map(Some).collect();
+        let mut all: Vec<_> = Block::all(width, self.settings.rows_of_tiles())
+            .map(Some)
+            .collect();
         for (block, rows) in all
             .iter_mut()
             .flatten()
@@ -354,7 +357,7 @@ impl Counter<'_> {
 
 /// Asks for the frame's buffers, and for the slices of them that blocks hold while they are drawn.
 fn ask_for_frame(settings: &RenderSettings) -> Result<(), RenderError> {
-    let (width, height) = (settings.width, settings.height);
+    let (width, height) = (settings.width, settings.frame_height());
     let pixels = u64::from(width) * u64::from(height);
     let channels: usize = 1 + settings
         .aovs
@@ -392,7 +395,7 @@ fn ask_for_geometry(scene: &Scene, settings: &RenderSettings) -> Result<(), Rend
 
 /// Buffers of the right sizes; drawing fills them.
 fn empty_frame(settings: &RenderSettings) -> Frame {
-    let (width, height) = (settings.width, settings.height);
+    let (width, height) = (settings.width, settings.frame_height());
     let pixels = width as usize * height as usize;
     let buffer = |aov: &Aov| match aov {
         Aov::Face | Aov::Mesh => AovData::U32(vec![0; pixels]),

@@ -1,15 +1,16 @@
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 
 use texmap_math::{Level, MemoryBudget};
-use texmap_raster::{Interp, TargetSize};
+use texmap_raster::{Interp, TILE, TargetSize};
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Scene, SceneError};
 
 use crate::RenderError;
 
 /// Settings of a rendering. No setting but the size, `supersample`, `msaa` and the three overrides changes
-/// a pixel.
+/// a pixel; `tile_rows` leaves pixels out.
 #[derive(Clone, Debug)]
 pub struct RenderSettings {
     /// Pixels, 1..=16384.
@@ -26,6 +27,9 @@ pub struct RenderSettings {
     pub msaa: u32,
     /// Buffers that are returned beside the colour.
     pub aovs: Vec<Aov>,
+    /// The band of the picture that is drawn: rows of tiles of 64 x 64 pixels, counted from the top, not empty and at most
+    /// `height.div_ceil(64)`. The frame holds the rows of pixels of the band alone, the same bytes as in the whole picture. `None`: all.
+    pub tile_rows: Option<Range<u32>>,
     /// SIMD level; the pixels do not depend on it.
     pub level: Level,
     /// Replaces the filter of every sampler.
@@ -49,6 +53,7 @@ impl RenderSettings {
             supersample: 1,
             msaa: 1,
             aovs: Vec::new(),
+            tile_rows: None,
             level: Level::new(),
             filter: None,
             wrap: None,
@@ -75,6 +80,16 @@ impl RenderSettings {
         if !(self.msaa == 1 || (self.msaa == 4 && self.supersample == 1)) {
             return Err(RenderError::Samples { samples: self.msaa });
         }
+        let tiles = self.height.div_ceil(TILE);
+        if let Some(rows) = &self.tile_rows
+            && (rows.is_empty() || rows.end > tiles)
+        {
+            return Err(RenderError::TileRows {
+                start: rows.start,
+                end: rows.end,
+                tiles,
+            });
+        }
         if self.threads == Some(0) {
             return Err(RenderError::Threads {
                 threads: 0,
@@ -82,6 +97,18 @@ impl RenderSettings {
             });
         }
         Ok(())
+    }
+
+    /// The rows of tiles that are drawn.
+    pub(crate) fn rows_of_tiles(&self) -> Range<u32> {
+        let all = 0..self.height.div_ceil(TILE);
+        self.tile_rows.clone().unwrap_or(all)
+    }
+
+    /// Height of the frame in pixels: that of the picture, or of its band.
+    pub(crate) fn frame_height(&self) -> u32 {
+        let rows = self.rows_of_tiles();
+        self.height.min(rows.end * TILE) - rows.start * TILE
     }
 }
 

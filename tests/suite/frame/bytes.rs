@@ -164,6 +164,44 @@ fn assert_same(frame: &Frame, expected: &Frame, what: &str) {
     );
 }
 
+/// Bands of any heights, with samples of any kind, are the rows of the whole picture and of its arrays.
+#[test]
+fn bands_are_the_rows_of_the_whole() {
+    let scene = busy();
+    for (supersample, msaa) in [(1, 1), (2, 1), (1, 4)] {
+        let settings = RenderSettings {
+            msaa,
+            ..settings(supersample)
+        };
+        let draw = |rows: std::ops::Range<u32>| {
+            let settings = RenderSettings {
+                tile_rows: Some(rows),
+                ..settings.clone()
+            };
+            render(&scene, &settings, &texmap_render::no_progress)
+        };
+        let whole = render(&scene, &settings, &texmap_render::no_progress).unwrap();
+        // 150 rows of pixels are three rows of tiles, the last one cut.
+        let bands = [draw(0..1).unwrap(), draw(1..3).unwrap()];
+        assert_eq!(bands.each_ref().map(|b| b.height), [64, 86]);
+        let joined: Vec<u8> = bands.iter().flat_map(|b| b.rgba.clone()).collect();
+        assert!(joined == whole.rgba);
+        let [first, second] = bands.each_ref().map(bits);
+        for (index, values) in bits(&whole).into_iter().enumerate() {
+            assert!(
+                [&first[index][..], &second[index]].concat() == values,
+                "{index}"
+            );
+        }
+        // A band is not its neighbour.
+        assert!(bands[0].rgba != bands[1].rgba[..bands[0].rgba.len()]);
+        for bad in [0..4, 2..2, 3..4] {
+            let error = draw(bad).unwrap_err();
+            assert_eq!(error.code(), "render-value");
+        }
+    }
+}
+
 #[test]
 fn threads_levels_and_block_order_reach_no_pixel() {
     let scene = busy();

@@ -14,6 +14,7 @@ use crate::cmd::Root;
 use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure, Refusal, say};
 use crate::formats;
+use crate::observe;
 use crate::os_name;
 use crate::output::{Destination, Stage, distinct};
 
@@ -78,6 +79,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
         ..LoadOptions::default()
     };
     let scene = load(&args.scene, &options)?;
+    observe::read(files.recorded());
     // Edges in pixels are measured by the light map's own size.
     let scene = texmap_mesh::tessellate(&scene, args.size).map_err(refused)?;
     let meshes = find(&scene, &args.object)?;
@@ -155,6 +157,23 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
 
 fn refused(error: impl Into<Refusal>) -> Failure {
     Failure::of_render(error, None, "correct the scene, or bake another object")
+}
+
+/// Names of the objects that are baked.
+pub(crate) fn objects(args: &BakeArgs) -> Result<Vec<String>, Failure> {
+    let options = LoadOptions {
+        files: args.root.files()?,
+        ..LoadOptions::default()
+    };
+    let scene = load(&args.scene, &options)?;
+    let scene = texmap_mesh::tessellate(&scene, args.size).map_err(refused)?;
+    let meshes = find(&scene, &args.object)?;
+    // Pages are told apart by the names of their files.
+    outputs(args, &scene, &meshes)?;
+    Ok(meshes
+        .iter()
+        .map(|mesh| scene.meshes[*mesh].name.clone())
+        .collect())
 }
 
 /// True if the mesh has coordinates for a light map.

@@ -8,6 +8,7 @@ use texmap_io::FileSource;
 use crate::failure::Failure;
 
 pub(crate) mod bake;
+pub(crate) mod batch;
 pub(crate) mod chart;
 #[cfg(feature = "gpu-images")]
 pub(crate) mod compress;
@@ -18,9 +19,11 @@ pub(crate) mod env;
 pub(crate) mod hash;
 pub(crate) mod info;
 pub(crate) mod manual;
+pub(crate) mod merge;
 pub(crate) mod mip;
 pub(crate) mod render;
 pub(crate) mod sample;
+pub(crate) mod shards;
 pub(crate) mod slice;
 pub(crate) mod stability;
 pub(crate) mod uv;

@@ -12,6 +12,7 @@ use texmap_raster::{
 
 use super::uv::source::Source;
 use crate::failure::{Exit, Failure, print_json, say};
+use crate::observe;
 use crate::output::{Destination, Stage, distinct};
 
 /// Draw a mesh into its texture space: face, barycentric weights, position and normal of every texel.
@@ -281,7 +282,7 @@ fn report(
         Coverage::Gutter,
     ]
     .map(count);
-    if args.json {
+    if args.json || observe::is_on() {
         print_json(&json!({
             "file": args.mesh.display().to_string(),
             "size": [args.size, args.size],

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::failure::{self, Exit, Failure};
+use crate::observe;
 
 /// Files that a verb wrote.
 #[derive(Debug, Serialize)]
@@ -60,7 +61,7 @@ impl Written {
 
     /// Prints the report if `json` asks for it.
     pub(crate) fn tell(&self, json: bool) -> Result<Exit, Failure> {
-        if json {
+        if json || observe::is_on() {
             failure::print_json(self)?;
         }
         Ok(Exit::Done)

@@ -29,7 +29,7 @@ pub(crate) struct Folder {
 
 impl Folder {
     /// Makes a folder in `at`, after removing the folders of killed runs there.
-    pub(super) fn new(at: &Path) -> io::Result<Self> {
+    pub(crate) fn new(at: &Path) -> io::Result<Self> {
         sweep_once(at);
         // Locked before a signal can find the folder missing from the list.
         let mut known = interrupt::folders();
@@ -80,7 +80,7 @@ fn sweep_once(at: &Path) {
 }
 
 /// Removes temporary folders whose lock nobody holds. Folders that cannot be read or removed stay, without a message.
-fn sweep(at: &Path) {
+pub(crate) fn sweep(at: &Path) {
     let Ok(entries) = fs::read_dir(at) else {
         return;
     };

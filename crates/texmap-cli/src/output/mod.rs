@@ -12,8 +12,9 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::{self, Exit, Failure};
 use crate::interrupt;
+use crate::observe;
 pub(crate) use distinct::distinct;
-use folder::Folder;
+pub(crate) use folder::{Folder, sweep};
 use made::MadeFolders;
 
 /// One output that was found to be writable.
@@ -134,6 +135,7 @@ impl Stage {
                 let made = MadeFolders::new(folder_of(path)).map_err(|e| refused(path, &e))?;
                 replace(from, path).map_err(|e| refused(path, &e))?;
                 made.keep();
+                observe::written(path.clone());
             }
         }
         drop(folders);

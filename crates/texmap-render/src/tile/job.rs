@@ -1,5 +1,7 @@
 //! One pass over the frame, and its blocks of 64 x 64 pixels: each is a tile of samples, or several.
 
+use std::ops::Range;
+
 use texmap_math::color;
 use texmap_math::simd::Scalar;
 use texmap_raster::{BinnedDraws, TILE, block_index};
@@ -41,15 +43,16 @@ impl<'r, 'a> Block<'r, 'a> {
 }
 
 impl Block<'_, '_> {
-    /// All blocks of a frame, row by row from the top left, without buffers.
-    pub(crate) fn all(width: u32, height: u32) -> impl Iterator<Item = Self> {
+    /// All blocks of these rows of tiles, row by row from the top left, without buffers.
+    pub(crate) fn all(width: u32, rows: Range<u32>) -> impl Iterator<Item = Self> {
         let across = width.div_ceil(TILE);
-        (0..across * height.div_ceil(TILE)).map(move |i| Self {
-            column: i % across,
-            row: i / across,
-            rgba: &mut [],
-            aovs: Vec::new(),
-        })
+        rows.flat_map(move |row| (0..across).map(move |column| (column, row)))
+            .map(|(column, row)| Self {
+                column,
+                row,
+                rgba: &mut [],
+                aovs: Vec::new(),
+            })
     }
 }
 

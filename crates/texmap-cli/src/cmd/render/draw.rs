@@ -14,6 +14,7 @@ use texmap_math::Level;
 use texmap_math::camera::Camera;
 use texmap_planner as planner;
 use texmap_planner::Choices;
+use texmap_raster::TILE;
 use texmap_render::{Aov, AovData, Frame, RenderSettings};
 use texmap_scene::{Scene, SceneError};
 use texmap_truth::picture::Picture;
@@ -31,6 +32,7 @@ use crate::cmd::render::report::{
 use crate::cmd::render::wire;
 use crate::cmd::render::write::{Store, values};
 use crate::failure::{Failure, Refusal, say};
+use crate::observe;
 use crate::output::{Destination, Stage, distinct};
 use crate::progress::Progress;
 use crate::values::{AovArg, Background};
@@ -75,6 +77,7 @@ pub(crate) fn item(
     args.light.light(&mut scene, &lit)?;
     // No picture replaces what it is made of.
     distinct(item.outputs(args)?, files.recorded())?;
+    observe::read(files.recorded());
     let load = milliseconds(began.elapsed());
     let sampled = args.supersample.is_some() || args.budget().is_some();
     let context = Context {
@@ -128,9 +131,18 @@ pub(crate) fn item(
         }
         Kind::Series(names) => {
             let all = shots.iter().zip(names).zip(0..);
-            let pictures = all.map(|((shot, name), number)| {
+            let wanted = all.filter(|(_, number)| match &args.only {
+                None => true,
+                Some(only) => only.contains(u64::from(*number)),
+            });
+            let pictures = wanted.map(|((shot, name), number)| {
                 context.set(&mut scene, shot)?;
-                context.picture(&scene, name.clone(), Some((number, shots.len(), shot)))
+                let place = Some((number, shots.len(), shot));
+                let report = context.picture(&scene, name.clone(), place)?;
+                if args.only.is_some() {
+                    observe::picture(&report);
+                }
+                Ok(report)
             });
             pictures.collect()
         }
@@ -358,6 +370,11 @@ impl Context<'_> {
             filter: args.filter,
             wrap: args.wrap,
             interp: args.interp,
+            tile_rows: args.band.map(|band| {
+                let tiles = u64::from(args.resolution.height.div_ceil(TILE));
+                let rows = band.of(tiles);
+                rows.start as u32..rows.end as u32
+            }),
             ..RenderSettings::new(args.resolution.width, args.resolution.height)
         }
     }

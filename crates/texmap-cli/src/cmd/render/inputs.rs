@@ -77,7 +77,7 @@ impl Inputs {
     }
 }
 
-fn listed(list: &Path, files: &FileSource) -> Result<Vec<PathBuf>, Failure> {
+pub(crate) fn listed(list: &Path, files: &FileSource) -> Result<Vec<PathBuf>, Failure> {
     let text = files.read_text(list, FileSource::MAX_LIST)?;
     let folder = list.parent().unwrap_or(Path::new(""));
     let lines = text.lines().map(str::trim);

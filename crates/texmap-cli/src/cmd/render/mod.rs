@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use texmap_raster::Interp;
+use texmap_raster::{Interp, TILE};
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::ColorMode;
 
@@ -16,13 +16,14 @@ use crate::cmd::render::look::LookArgs;
 use crate::cmd::render::rays::Compare;
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
-use crate::values::{self, AovArg, Background, LevelName, Resolution};
+use crate::observe;
+use crate::values::{self, AovArg, Background, LevelName, Part, Ranges, Resolution};
 
 mod budget;
-mod camera;
+pub(crate) mod camera;
 mod draw;
 mod files;
-mod inputs;
+pub(crate) mod inputs;
 mod light;
 mod look;
 pub(crate) mod plan;
@@ -123,6 +124,12 @@ pub(crate) struct RenderArgs {
         conflicts_with = "views"
     )]
     aov: Vec<AovArg>,
+    /// Pictures of a series that are drawn, by their numbers from 0 (a task of `texmap batch`)
+    #[arg(long, value_name = "LIST", hide = true)]
+    only: Option<Ranges>,
+    /// Band I of N, rows of tiles from the top (a task of `texmap batch`); the picture has its rows alone
+    #[arg(long, value_name = "I/N", hide = true, conflicts_with_all = ["views", "turntable", "frames", "cameras", "verify", "wireframe", "aov", "only"])]
+    band: Option<Part>,
     #[command(flatten)]
     root: Root,
     /// Print a report as JSON to standard output
@@ -141,6 +148,40 @@ pub(crate) struct RenderArgs {
     look: LookArgs,
     #[command(flatten)]
     light: LightArgs,
+}
+
+impl RenderArgs {
+    pub(crate) fn camera(&self) -> &CameraArgs {
+        &self.camera
+    }
+
+    /// Refuses bands of pictures that are not drawn tile by tile, and more bands than rows of tiles.
+    pub(crate) fn check_bands(&self, bands: u32) -> Result<(), Failure> {
+        let camera = &self.camera;
+        let clash = [
+            ("--views", !camera.views.is_empty()),
+            ("--turntable", camera.turntable.is_some()),
+            ("--frames", camera.frames.is_some()),
+            ("--cameras", camera.cameras.is_some()),
+            ("--verify", self.verify),
+            ("--wireframe", self.look.wireframe),
+            ("--aov", !self.aov.is_empty()),
+        ];
+        if let Some((flag, _)) = clash.iter().find(|(_, given)| *given) {
+            return Err(Failure::usage(
+                format!("--bands and {flag} do not go together"),
+                "bands are of one picture without arrays",
+            ));
+        }
+        let rows = self.resolution.height.div_ceil(TILE);
+        match bands <= rows {
+            true => Ok(()),
+            false => Err(Failure::usage(
+                format!("--bands {bands}: the picture has {rows} rows of tiles of {TILE} pixels"),
+                format!("at most {rows} bands"),
+            )),
+        }
+    }
 }
 
 const EXAMPLES: &str = "\
@@ -189,7 +230,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
         Some(first) if failures.len() == items.len() => first.exit,
         Some(_) => Exit::Partial,
     };
-    if args.json {
+    if args.json || observe::is_on() {
         failure::print_json(&Report::new(args, level, reports, exit))?;
     }
     Ok(exit)

@@ -5,6 +5,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use texmap_io::{AnimationFormat, PictureFormat};
+use texmap_raster::TILE;
 use texmap_scene::Scene;
 
 use crate::cmd::render::RenderArgs;
@@ -153,7 +154,12 @@ pub(crate) fn memory(args: &RenderArgs, scene: &Scene) -> u64 {
         .textures
         .iter()
         .map(|t| u64::from(t.width()) * u64::from(t.height()) * 16 / 3);
-    let pixels = u64::from(args.resolution.width) * u64::from(args.resolution.height);
+    let height = u64::from(args.resolution.height);
+    let height = args.band.map_or(height, |band| {
+        let rows = band.of(height.div_ceil(u64::from(TILE)));
+        (rows.end - rows.start) * u64::from(TILE)
+    });
+    let pixels = u64::from(args.resolution.width) * height;
     let arrays: usize = args.aov.iter().map(|a| 4 * a.channels()).sum();
     let pictures = args.camera.views.len().max(1) as u64;
     let triangles: usize = scene.meshes.iter().map(|m| m.triangles.len()).sum();
@@ -170,7 +176,7 @@ const DIR: &str = "{dir}";
 const NUMBER: &str = "{n}";
 const VIEW: &str = "{view}";
 
-fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure> {
+pub(crate) fn name(inputs: &[PathBuf], output: Option<&Path>) -> Result<Vec<Item>, Failure> {
     let Some(output) = output else {
         return Ok(inputs
             .iter()
@@ -225,7 +231,7 @@ fn holds(name: &Path, word: &str) -> bool {
 }
 
 /// Files of the pictures of an input, by the name of its output.
-fn kind(
+pub(crate) fn kind(
     args: &RenderArgs,
     output: Option<&Path>,
     shots: Option<&[Option<String>]>,

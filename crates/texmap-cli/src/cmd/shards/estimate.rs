@@ -1,0 +1,152 @@
+//! Memory and time of units before they run, from the planner's prices and the sizes of the input files.
+//!
+//! Nothing is loaded: a model of few bytes with large textures is underestimated. docs/batch.md says how well this predicts.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use serde::Serialize;
+use texmap_planner::prices;
+use texmap_sample::Filter;
+
+use crate::cmd::batch::plan::{Plan, Unit, UnitPart};
+
+/// Seconds of one core for a byte of an input: parsing, vertices, set-up.
+const SECONDS_A_BYTE: f64 = 25e-9;
+/// Seconds of one core for a pixel but for its texture look-ups: light, encoding, hashing.
+const SECONDS_A_PIXEL: f64 = 60e-9;
+/// Seconds for each input: opening, environment light, files.
+const SECONDS_AN_INPUT: f64 = 10e-3;
+/// Bytes of memory for a byte of an input: a parser and its meshes take eleven times the bytes of an OBJ.
+const BYTES_A_BYTE: u64 = 12;
+/// Bytes of memory for a pixel: the frame, and the encoder, which takes twice as much.
+const BYTES_A_PIXEL: u64 = 12;
+/// Bytes of the program with its tables.
+const BYTES: u64 = 48 << 20;
+
+/// Means that a task takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(super) struct Estimate {
+    /// The largest memory at a time, for one job.
+    pub(super) memory_bytes: u64,
+    /// Time on one core.
+    pub(super) core_seconds: f64,
+}
+
+impl Estimate {
+    /// Units one after the other.
+    pub(super) fn sum(units: &[Self]) -> Self {
+        Self {
+            memory_bytes: units.iter().map(|u| u.memory_bytes).max().unwrap_or(BYTES),
+            core_seconds: units.iter().map(|u| u.core_seconds).sum(),
+        }
+    }
+
+    pub(super) fn largest(tasks: impl Iterator<Item = Self>) -> Self {
+        tasks.fold(Self::default(), |a, b| Self {
+            memory_bytes: a.memory_bytes.max(b.memory_bytes),
+            core_seconds: a.core_seconds.max(b.core_seconds),
+        })
+    }
+}
+
+/// The means of each unit of a plan, in order.
+pub(super) fn of_units(plan: &Plan) -> Vec<Estimate> {
+    let mut sizes: BTreeMap<usize, u64> = BTreeMap::new();
+    let mut last = None;
+    let of = |unit: &Unit| {
+        let item = plan.item(unit);
+        let bytes = *sizes
+            .entry(unit.item)
+            .or_insert_with(|| fs::metadata(&item.input).map_or(0, |m| m.len()));
+        let words = item.settings.words();
+        // Pictures of one series load their input once.
+        let loads = last != Some(unit.item) || !matches!(unit.part, UnitPart::Picture(_));
+        last = Some(unit.item);
+        one(unit, &words, bytes, loads)
+    };
+    plan.units.iter().map(of).collect()
+}
+
+fn one(unit: &Unit, words: &[String], bytes: u64, loads: bool) -> Estimate {
+    let value = |flag: &str| {
+        let value = words
+            .iter()
+            .find_map(|w| w.strip_prefix("--")?.strip_prefix(flag)?.strip_prefix('='));
+        value.map(str::to_owned)
+    };
+    let number = |flag: &str| value(flag).and_then(|v| v.parse::<f64>().ok());
+    let size = value("resolution").or_else(|| value("size"));
+    let (width, height) = size.map_or((1024.0, 768.0), |size| sides(&size));
+    // Pictures of an item that is one unit.
+    let whole = match unit.part {
+        UnitPart::Whole => number("turntable")
+            .or_else(|| number("frames"))
+            .or_else(|| value("views").map(|views| views.split(',').count() as f64)),
+        _ => None,
+    };
+    let share = match &unit.part {
+        UnitPart::Band(part) => 1.0 / f64::from(part.count),
+        _ => whole.unwrap_or(1.0),
+    };
+    let pixels = width * height * share;
+    let samples = number("supersample").map_or(1.0, |n| n * n);
+    let filter = value("filter").and_then(|name| name.parse::<Filter>().ok());
+    let look_up = prices()
+        .iter()
+        .find(|price| price.filter == filter.unwrap_or(Filter::Trilinear))
+        .map_or(10.0, |price| price.ns);
+    let drawing = pixels * (SECONDS_A_PIXEL + samples * look_up * 1e-9);
+    let loading = if loads {
+        SECONDS_AN_INPUT + bytes as f64 * SECONDS_A_BYTE
+    } else {
+        0.0
+    };
+    let at_a_time = width * height * share.min(1.0);
+    Estimate {
+        memory_bytes: BYTES + bytes * BYTES_A_BYTE + at_a_time as u64 * BYTES_A_PIXEL,
+        core_seconds: loading + drawing,
+    }
+}
+
+/// `WxH`, or one side of a square.
+fn sides(text: &str) -> (f64, f64) {
+    let (width, height) = text.split_once(['x', ',']).unwrap_or((text, text));
+    let side = |text: &str| text.trim().parse().unwrap_or(1024.0);
+    (side(width), side(height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::values::Part;
+
+    #[test]
+    fn more_pixels_and_bytes_take_more() {
+        let unit = |part| Unit {
+            id: "a".into(),
+            item: 0,
+            part,
+        };
+        let of = |words: &[&str], bytes, part| {
+            let words: Vec<String> = words.iter().map(|w| (*w).to_owned()).collect();
+            one(&unit(part), &words, bytes, true)
+        };
+        let small = of(&["--resolution=100x100"], 0, UnitPart::Whole);
+        let large = of(&["--resolution=16384x16384"], 0, UnitPart::Whole);
+        assert!(large.core_seconds > 100.0 * small.core_seconds);
+        assert!(large.memory_bytes > 3 << 30);
+        let part = Part { index: 1, count: 8 };
+        let band = of(&["--resolution=16384x16384"], 0, UnitPart::Band(part));
+        assert!(band.memory_bytes < large.memory_bytes / 4);
+        let model = of(&["--resolution=100x100"], 1 << 30, UnitPart::Whole);
+        assert!(model.core_seconds > 10.0 && model.memory_bytes > 10 << 30);
+        let frames = of(
+            &["--resolution=100x100", "--turntable=10"],
+            0,
+            UnitPart::Whole,
+        );
+        assert_eq!(frames.memory_bytes, small.memory_bytes);
+        assert!(frames.core_seconds > small.core_seconds);
+    }
+}
