@@ -1,4 +1,4 @@
-//! The program `texmap` as a library with one function, [`main`].
+//! The program `texmap` as a library: [`main`], and [`run_program`] for arguments of one's own.
 //!
 //! Conventions: data goes to standard output, words and progress to standard error. Every file
 //! is written under a temporary name and renamed. Exit codes: 0 done, 1 a comparison or claim
@@ -33,12 +33,19 @@ mod values;
 #[must_use]
 pub fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
+    ExitCode::from(run_program(&arguments))
+}
+
+/// Runs the program on `arguments`, the first of which is its name, and returns its exit code: for processes that hold it beside
+/// something else. It takes over the signals and the panic hook of the process.
+#[must_use]
+pub fn run_program(arguments: &[OsString]) -> u8 {
     let exit = guarded(|| {
         interrupt::watch();
-        run(&arguments)
+        run(arguments)
     });
     interrupt::stop_if_ending();
-    ExitCode::from(exit as u8)
+    exit as u8
 }
 
 fn run(arguments: &[OsString]) -> Exit {

@@ -113,6 +113,9 @@ pub enum Pass {
 pub struct DrawCall<'a> {
     /// Vertex positions in object space.
     pub positions: &'a [[f32; 3]],
+    /// Empty, or the clip z of each vertex, which replaces that of the matrix. Vertices that are in clip space already are drawn
+    /// with their x, y and w as positions and the matrix that passes these on.
+    pub clip_z: &'a [f32],
     /// Three vertex indices a triangle.
     pub indices: &'a [[u32; 3]],
     /// Object space to clip space.
@@ -146,6 +149,7 @@ impl Default for DrawCall<'_> {
     fn default() -> Self {
         Self {
             positions: &[],
+            clip_z: &[],
             indices: &[],
             clip_from_object: DMat4::IDENTITY,
             attributes: &[],
@@ -177,6 +181,13 @@ impl DrawCall<'_> {
                 draw,
                 expected,
                 found: self.attributes.len(),
+            });
+        }
+        if !self.clip_z.is_empty() && self.clip_z.len() != vertices {
+            return Err(RasterError::AttributeLength {
+                draw,
+                expected: vertices,
+                found: self.clip_z.len(),
             });
         }
         match self.interp {

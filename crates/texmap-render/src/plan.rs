@@ -125,6 +125,7 @@ impl<'s> Plan<'s> {
             .iter()
             .map(|s| DrawCall {
                 positions: &s.vertices.positions,
+                clip_z: &[],
                 indices: &s.vertices.triangles,
                 clip_from_object: s.clip_from_object,
                 attributes: &s.vertices.attributes,

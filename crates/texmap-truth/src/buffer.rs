@@ -106,7 +106,24 @@ impl Buffer {
             .fold(0.0, f64::max)
     }
 
-    fn of_array(array: npy::Array) -> Self {
+    /// An image of sRGB codes: four bytes a pixel, rows top to bottom. `None` unless that is their number.
+    #[must_use]
+    pub fn of_rgba8(width: usize, height: usize, rgba: Vec<u8>) -> Option<Self> {
+        let expected = width.checked_mul(height)?.checked_mul(4)?;
+        (rgba.len() == expected).then_some(Self {
+            shape: Shape {
+                width,
+                height,
+                channels: 4,
+            },
+            peak: 1.0,
+            values: Values::Image(Depth::U8(rgba)),
+        })
+    }
+
+    /// The values of an array, as [`read`](Self::read) takes them from a `.npy` file.
+    #[must_use]
+    pub fn of_array(array: npy::Array) -> Self {
         let shape = match array.shape.as_slice() {
             [] => Shape {
                 width: 1,

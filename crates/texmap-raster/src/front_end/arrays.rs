@@ -3,12 +3,16 @@ use texmap_math::simd::{GatherTable, Isa, prelude::*};
 
 use crate::DrawCall;
 use crate::coverage::edge::Snapped;
+use crate::front_end::clip::Hom;
+use crate::front_end::transform::Transform;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Arrays<'a> {
     indices: GatherTable<'a>,
     snapped: GatherTable<'a>,
     positions: GatherTable<'a>,
+    /// Clip z of the vertices, where it does not come from the matrix.
+    clip_z: Option<GatherTable<'a>>,
 }
 
 impl<'a> Arrays<'a> {
@@ -22,6 +26,7 @@ impl<'a> Arrays<'a> {
             indices: GatherTable::new(bytemuck::cast_slice(draw.indices))?,
             snapped: GatherTable::new(bytemuck::cast_slice(snapped))?,
             positions: GatherTable::new(bytemuck::cast_slice(draw.positions))?,
+            clip_z: GatherTable::new(bytemuck::cast_slice(draw.clip_z)),
         })
     }
 
@@ -39,14 +44,21 @@ impl<'a> Arrays<'a> {
         [x.to_i32(), y.to_i32()]
     }
 
-    /// Positions as f64.
+    /// Vertices in homogeneous pixels.
     #[inline(always)]
-    pub(crate) fn positions<I: Isa>(&self, i: I, vertex: I::I32) -> [I::F64; 3] {
+    pub(crate) fn vertex<I: Isa>(&self, i: I, transform: &Transform, vertex: I::I32) -> Hom<I> {
         let [x, y, z] = i.gather_triples(self.positions, (vertex * 3).to_u32());
-        [
-            i.widen(x.to_f32_bits()),
-            i.widen(y.to_f32_bits()),
-            i.widen(z.to_f32_bits()),
-        ]
+        let mut at = transform.apply_lanes(
+            i,
+            [
+                i.widen(x.to_f32_bits()),
+                i.widen(y.to_f32_bits()),
+                i.widen(z.to_f32_bits()),
+            ],
+        );
+        if let Some(clip_z) = self.clip_z {
+            at.z = i.widen(i.gather(clip_z, vertex.to_u32()).to_f32_bits());
+        }
+        at
     }
 }

@@ -212,7 +212,7 @@ impl Submission<'_, '_> {
     /// One triangle of any kind.
     fn submit(&self, triangle: usize, chunk: &mut Chunk) -> Result<(), RasterError> {
         let corners = self.draw.indices[triangle];
-        let v = corners.map(|i| self.transform.apply(self.draw.positions[i as usize]));
+        let v = corners.map(|i| self.transform.vertex(self.draw, i));
         let n = self.draw.attribute_count;
         let finite = |i: u32| {
             self.draw.attributes[i as usize * n..(i as usize + 1) * n]

@@ -121,10 +121,12 @@ impl<'a> BinnedDraws<'a> {
             let work = draw
                 .positions
                 .chunks(transform::CHUNK)
+                .enumerate()
                 .zip(buffer.chunks_mut(transform::CHUNK))
                 .collect();
-            for_all(threads, work, |(positions, out)| {
-                transform::snap_all(level, positions, transform, out);
+            for_all(threads, work, |((k, positions), out)| {
+                let clip_z = draw.clip_z.get(k * transform::CHUNK..).unwrap_or_default();
+                transform::snap_all(level, positions, clip_z, transform, out);
             });
             transform::mark_bad_attributes(level, draw, buffer);
         }
@@ -334,7 +336,7 @@ impl<'a> BinnedDraws<'a> {
             (p.outer, p.corners, Some(p.weights), p.front)
         } else {
             let transform = &self.transforms[draw_index as usize];
-            let v = corners.map(|i| transform.apply(draw.positions[i as usize]));
+            let v = corners.map(|i| transform.vertex(draw, i));
             let front = area(&v.map(snap)) < 0;
             (v, v, None, front)
         };

@@ -42,6 +42,15 @@ impl Transform {
         self.apply_lanes(Scalar, position.map(f64::from))
     }
 
+    /// A vertex of a draw.
+    pub(crate) fn vertex(&self, draw: &DrawCall<'_>, index: u32) -> Hom {
+        let mut at = self.apply(draw.positions[index as usize]);
+        if let Some(z) = draw.clip_z.get(index as usize) {
+            at.z = f64::from(*z);
+        }
+        at
+    }
+
     #[inline(always)]
     pub(crate) fn apply_lanes<I: Isa>(&self, i: I, position: [I::F64; 3]) -> Hom<I> {
         let [cx, cy, cz, cw] = [
@@ -64,18 +73,26 @@ fn row<I: Isa>(_: I, m: &[f64; 4], [x, y, z]: [I::F64; 3]) -> I::F64 {
     (x * m[0] + y * m[1]) + (z * m[2] + m[3])
 }
 
-/// Snapped positions of `positions`, [`SPECIAL`] for vertices that cannot be taken as they are.
+/// Snapped positions of `positions`, [`SPECIAL`] for vertices that cannot be taken as they are. `clip_z` is empty, or the clip z
+/// of each.
 pub(crate) fn snap_all(
     level: Level,
     positions: &[[f32; 3]],
+    clip_z: &[f32],
     transform: &Transform,
     out: &mut [Snapped],
 ) {
-    dispatch_simd!(level, wide i => snap_lanes(i, positions, transform, out));
+    dispatch_simd!(level, wide i => snap_lanes(i, positions, clip_z, transform, out));
 }
 
 #[inline(always)]
-fn snap_lanes<I: Isa>(i: I, positions: &[[f32; 3]], transform: &Transform, out: &mut [Snapped]) {
+fn snap_lanes<I: Isa>(
+    i: I,
+    positions: &[[f32; 3]],
+    clip_z: &[f32],
+    transform: &Transform,
+    out: &mut [Snapped],
+) {
     let Some(words) = GatherTable::new(bytemuck::cast_slice(positions)) else {
         return;
     };
@@ -83,7 +100,7 @@ fn snap_lanes<I: Isa>(i: I, positions: &[[f32; 3]], transform: &Transform, out: 
     for (k, chunk) in out.chunks_mut(I::LANES).enumerate() {
         let base = ((i.iota() + (k * I::LANES) as i32) * 3).to_u32();
         let [x, y, z] = i.gather_triples(words, base);
-        let at = transform.apply_lanes(
+        let mut at = transform.apply_lanes(
             i,
             [
                 i.widen(x.to_f32_bits()),
@@ -91,6 +108,12 @@ fn snap_lanes<I: Isa>(i: I, positions: &[[f32; 3]], transform: &Transform, out: 
                 i.widen(z.to_f32_bits()),
             ],
         );
+        if let Some(given) = clip_z.get(k * I::LANES..).filter(|z| !z.is_empty()) {
+            let mut lanes = [0.0; 16];
+            let count = given.len().min(I::LANES);
+            lanes[..count].copy_from_slice(&given[..count]);
+            at.z = i.widen(i.load_f32(&lanes[..I::LANES]));
+        }
         let [x, y] = snap(i, at);
         let [low, high] = i.interleave(x.to_u32(), y.to_u32());
         let words: &mut [u32] = bytemuck::cast_slice_mut(&mut snapped);
@@ -190,8 +213,8 @@ mod tests {
         matrix.w_axis = (0.0, 0.0, 0.01, 0.3).into();
         let transform = Transform::new(&matrix, size);
         let (mut one, mut lanes) = (alloc::vec![[0; 2]; 4001], alloc::vec![[0; 2]; 4001]);
-        snap_lanes(Scalar, &positions, &transform, &mut one);
-        snap_all(Level::new(), &positions, &transform, &mut lanes);
+        snap_lanes(Scalar, &positions, &[], &transform, &mut one);
+        snap_all(Level::new(), &positions, &[], &transform, &mut lanes);
         assert_eq!(one, lanes);
         // A vertex that is not special has the same position as by the formula for pieces.
         for (&position, &found) in positions.iter().zip(&one) {

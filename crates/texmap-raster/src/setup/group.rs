@@ -140,9 +140,9 @@ pub(crate) fn solve<I: Isa, const FLAT: bool>(
         #[inline(always)]
         || {
             let mut v = [
-                transform.apply_lanes(i, arrays.positions(i, vertex[0])),
-                transform.apply_lanes(i, arrays.positions(i, vertex[1])),
-                transform.apply_lanes(i, arrays.positions(i, vertex[2])),
+                arrays.vertex(i, transform, vertex[0]),
+                arrays.vertex(i, transform, vertex[1]),
+                arrays.vertex(i, transform, vertex[2]),
             ];
             if FLAT {
                 for Hom { x, y, z, w } in &mut v {

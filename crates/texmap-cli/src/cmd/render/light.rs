@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use texmap_io::framing::{Up, auto_lights, light_by_studio, studio};
+use texmap_io::framing::{
+    Up, auto_lights, light_model, metallic_surfaces, needs_lights, reads_environment, studio,
+};
 use texmap_light::{EnvironmentLayout, EnvironmentLight, ToneMap};
-use texmap_scene::{Background, ColorMode, Material, MetallicRoughness, Scene, Shading};
+use texmap_scene::{Background, ColorMode, Material, Scene};
 
 use crate::failure::Failure;
 
@@ -125,11 +127,7 @@ impl LightArgs {
             None => scene.color == ColorMode::Srgb,
         };
         if metallic {
-            for material in &mut scene.materials {
-                if material.metallic_roughness.is_none() {
-                    material.metallic_roughness = Some(MetallicRoughness::of_classic(material));
-                }
-            }
+            metallic_surfaces(scene);
         } else if self.shading.is_some() {
             scene.warnings.extend(not_classic(&scene.materials));
             for material in &mut scene.materials {
@@ -150,15 +148,8 @@ impl LightArgs {
         } = *lit;
         match &self.env {
             None => {
-                let wanted = reads_environment(scene) || behind;
-                let wanted = wanted && !scene_file && scene.color == ColorMode::Srgb;
-                if wanted && scene.effects.environment_light.is_none() {
-                    let brought = std::mem::take(&mut scene.lights);
-                    light_by_studio(scene, up);
-                    // Those of the loader stand in for light from all around.
-                    if brought != auto_lights(up) {
-                        scene.lights = brought;
-                    }
+                if !scene_file {
+                    light_model(scene, up, behind);
                 }
             }
             Some(Env::None) => {
@@ -246,31 +237,11 @@ fn environment(env: &Env, up: Up) -> Result<EnvironmentLight, Failure> {
     })
 }
 
-/// True if some surface shows the light of an environment.
-fn reads_environment(scene: &Scene) -> bool {
-    let mut materials = scene.materials.iter();
-    materials.any(|m| m.metallic_roughness.is_some() && m.shading == Shading::PerPixel)
-}
-
-/// True if some surface is dark without lights.
-fn needs_lights(scene: &Scene) -> bool {
-    let around = scene.effects.environment_light.is_some();
-    let mut drawn = scene
-        .meshes
-        .iter()
-        .map(|mesh| &scene.materials[mesh.material]);
-    drawn.any(|m| match m.shading {
-        Shading::Unlit => false,
-        Shading::PerVertex => true,
-        Shading::PerPixel => m.metallic_roughness.is_none() || !around,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use texmap_math::Camera;
-    use texmap_scene::Mesh;
+    use texmap_scene::{Mesh, MetallicRoughness, Shading};
 
     fn args() -> LightArgs {
         LightArgs {
