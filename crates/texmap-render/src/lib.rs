@@ -79,6 +79,7 @@ mod settings;
 mod shade;
 mod shadow;
 mod shadow_alpha_test;
+mod stopwatch;
 mod textures;
 mod tile;
 mod vertices;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rayon::prelude::*;
 use texmap_raster::{BinnedDraws, DrawCall, SAMPLES_4, TILE, TargetSize};
@@ -12,6 +12,7 @@ use texmap_raster::{BinnedDraws, DrawCall, SAMPLES_4, TILE, TargetSize};
 use crate::frame_resources::FrameResources;
 use crate::plan::Plan;
 use crate::resolve::rows::{AovParts, blocks, split};
+use crate::stopwatch::Stopwatch;
 use crate::textures::Chains;
 use crate::tile::job::{Block, Job, Scratch};
 use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, RenderSettings, Stats};
@@ -72,7 +73,7 @@ impl<'s> Renderer<'s> {
     /// # Errors
     /// Every fault of the scene or the settings; see [`RenderError`].
     pub fn new(scene: &'s Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         settings.check()?;
         ask_for_frame(settings)?;
         let checked = scene.check()?;
@@ -191,12 +192,12 @@ impl<'s> Renderer<'s> {
         frame.stats.times.plan = self.plan_time;
         frame.warnings.clone_from(&self.warnings);
 
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let draws = self.plan.draws(scene);
         let prepared = self.prepare((size.0 * n, size.1 * n), &draws, self.samples.is_some())?;
         frame.stats.times.bin = start.elapsed();
 
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let blocks = size.0.div_ceil(TILE) as usize * settings.rows_of_tiles().len();
         let counter = Counter {
             done: AtomicUsize::new(0),

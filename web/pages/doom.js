@@ -1,0 +1,102 @@
+// Purple Cow Doom: keys, mouse or touch to the Worker, frames back.
+
+import { call, hashes, make, number, show } from './lab.js';
+
+const main = document.querySelector('main');
+const FILES = ['textures/carpet.gif', 'textures/ceilingtile.gif', 'textures/walls.gif', 'textures/fence.png', 'textures/leaf.png', 'textures/cow.png', 'models/cow.obj', 'models/cow.mtl'];
+const KEYS = { KeyW: 1, ArrowUp: 1, KeyS: 2, ArrowDown: 2, KeyA: 4, KeyD: 8, ArrowLeft: 16, ArrowRight: 32, KeyE: 64, Space: 64, ShiftLeft: 128, ShiftRight: 128 };
+const TAPS = { nearest: 1, bilinear: 4, trilinear: 8, 'mip-nearest': 1 };
+
+const canvas = make('canvas', { role: 'img', 'aria-label': 'The room. W A S D or arrows walk, the mouse looks, E opens the door', tabIndex: 0 });
+const select = (label, options, id) => {
+  const element = make('select', { id, 'data-control': id }, ...options.map((o) => make('option', { value: o }, o)));
+  return [make('label', {}, label, element), element];
+};
+const [sizeLabel, size] = select('Size', ['640x400', '320x200', '960x600', '1280x720'], 'size');
+const [filterLabel, filter] = select('Filter', ['trilinear', 'bilinear', 'nearest', 'mip-nearest'], 'filter');
+const affine = make('input', { type: 'checkbox', id: 'affine', 'data-control': 'affine' });
+const counter = make('p', { class: 'soft', role: 'status' });
+const recorded = make('p', { class: 'hash' });
+const pad = make('div', { class: 'pad', role: 'group', 'aria-label': 'Walk by touch' });
+let held = 0;
+let touched = 0;
+for (const [text, name, button] of [['↑', 'ahead', 1], ['↓', 'back', 2], ['⟲', 'turn left', 16], ['⟳', 'turn right', 32], ['E', 'door', 64]]) {
+  const key = make('button', { type: 'button', 'aria-label': name }, text);
+  key.addEventListener('pointerdown', (event) => { event.preventDefault(); touched |= button; });
+  for (const end of ['pointerup', 'pointercancel', 'pointerleave']) key.addEventListener(end, () => { touched &= ~button; });
+  pad.append(key);
+}
+main.append(
+  make('h1', {}, 'Purple Cow Doom'),
+  make('p', { class: 'soft' }, 'MIT 6.837 (2001), lecture 18, slides 17 and 18: “Now you can all go out and write DOOM!”'),
+  make('p', {}, 'W A S D or arrows walk, Shift runs, E opens the door. Click the picture to look around with the mouse, or drag it.'),
+  make('div', { class: 'lab' }, make('div', {}, make('div', { class: 'stage' }, canvas), pad, counter),
+    make('form', { 'aria-label': 'Controls', onsubmit: (event) => event.preventDefault() }, sizeLabel, filterLabel, make('label', { class: 'check' }, affine, 'Affine interpolation (wrong)'),
+      make('button', { type: 'button', id: 'record', onclick: record }, 'Play the recorded walk'), recorded)),
+);
+
+addEventListener('keydown', (event) => {
+  if (!(event.code in KEYS) || event.target.matches('select, input, button')) return;
+  event.preventDefault();
+  held |= KEYS[event.code];
+});
+addEventListener('keyup', (event) => { held &= ~(KEYS[event.code] ?? 0); });
+addEventListener('blur', () => { held = 0; });
+let [turn, raise] = [0, 0];
+canvas.addEventListener('click', () => { canvas.focus(); if (matchMedia('(pointer: fine)').matches) canvas.requestPointerLock?.(); });
+let dragged = null;
+canvas.addEventListener('pointerdown', (event) => { dragged = [event.clientX, event.clientY]; canvas.setPointerCapture(event.pointerId); });
+canvas.addEventListener('pointerup', () => { dragged = null; });
+canvas.addEventListener('pointermove', (event) => {
+  let [dx, dy] = [0, 0];
+  if (document.pointerLockElement === canvas) [dx, dy] = [event.movementX, event.movementY];
+  else if (dragged) { [dx, dy] = [dragged[0] - event.clientX, dragged[1] - event.clientY].map((k) => -k); dragged = [event.clientX, event.clientY]; }
+  turn -= dx * 0.003;
+  raise -= dy * 0.003;
+});
+
+let running = true;
+let clock = performance.now();
+let owed = 0;
+const shown = [];
+async function frame() {
+  if (!running) return;
+  const now = performance.now();
+  owed = Math.min(owed + (now - clock) * 0.06, 6);
+  clock = now;
+  const steps = Math.floor(owed);
+  if (steps > 0) {
+    owed -= steps;
+    const [width, height] = size.value.split('x').map(Number);
+    const input = { steps, buttons: held | touched, turn, raise, width, height, filter: filter.value, affine: affine.checked };
+    [turn, raise] = [0, 0];
+    const drawn = await call('frame', input);
+    show(canvas, { ...drawn, width, height });
+    shown.push(performance.now());
+    while (shown[0] < shown.at(-1) - 1000) shown.shift();
+    counter.textContent = `${shown.length} frames/s · ${drawn.ms.toFixed(1)} ms a frame · ${number(drawn.pixels * TAPS[filter.value] / 1000)} thousand texels · ${drawn.triangles} triangles`;
+    main.dataset.frames = String(Number(main.dataset.frames ?? 0) + 1);
+  }
+  requestAnimationFrame(frame);
+}
+
+async function record() {
+  running = false;
+  recorded.textContent = 'playing …';
+  const [width, height] = size.value.split('x').map(Number);
+  const { hash, ms } = await call('play', { width, height, every: 1 });
+  const frames = 627;
+  const native = (await hashes).doom?.[0];
+  const same = size.value === '640x400' && native ? (native === hash ? ' the bytes of the native program' : ` native: ${native}`) : '';
+  recorded.textContent = `${frames} frames in ${(ms / 1000).toFixed(2)} s: ${(1000 * frames / ms).toFixed(1)} frames/s. Last frame ${hash}${same}`;
+  recorded.className = same && native !== hash ? 'hash differs' : 'hash same';
+  main.dataset.recorded = hash;
+  main.dataset.rate = String(1000 * frames / ms);
+  running = true;
+  clock = performance.now();
+  frame();
+}
+
+await call('room', { files: FILES });
+main.dataset.state = 'ready';
+frame();

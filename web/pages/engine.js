@@ -1,0 +1,231 @@
+// The engine of the applets: controls from a list, a request from their values, pictures and figures from the answer.
+
+import { call, hashes, make, number, save, show } from './lab.js';
+import { defaults } from './values.js';
+
+const main = document.querySelector('main');
+const name = main.dataset.page;
+const { default: page } = await import(`./applets/${name}.js`);
+const values = defaults(page);
+const form = make('form', { 'aria-label': 'Controls', onsubmit: (event) => event.preventDefault() });
+const panels = make('div', { class: 'panels' + (page.even ? ' even' : '') });
+const figures = make('table', {});
+const words = make('p', { class: 'soft', role: 'status' });
+const source = make('pre', {});
+const own = new Set();
+
+main.append(
+  make('h1', {}, page.title),
+  make('p', { class: 'soft' }, page.slide),
+  ...page.text.map((text) => make('p', {}, text)),
+  make('div', { class: 'formula' }, page.formula),
+  make('div', { class: 'lab' }, make('div', {}, panels, words), make('div', {}, form, figures)),
+  make('details', {}, make('summary', {}, 'The scene and its command'), source),
+);
+
+// A canvas with its handles for each picture.
+const stages = [];
+function stage(index) {
+  while (stages.length <= index) {
+    const canvas = make('canvas', { role: 'img' });
+    const box = make('div', { class: 'stage' }, canvas);
+    const caption = make('figcaption', {});
+    panels.append(make('figure', {}, box, caption));
+    stages.push({ canvas, box, caption });
+    const number = stages.length - 1;
+    page.controls.filter((control) => control.kind === 'points' && (control.panel ?? 0) === number).forEach((control) => handles(control, box));
+    if (number === 0 && page.drag) drag(box);
+  }
+  return stages[index];
+}
+
+function handles(control, box) {
+  control.handles = control.value.map((_, i) => {
+    const put = (x, y) => {
+      values[control.id][i] = [Math.min(1, Math.max(0, x)), Math.min(1, Math.max(0, y))];
+      place(control);
+      changed();
+    };
+    const handle = make('button', { type: 'button', class: 'handle', 'aria-label': `${control.label} ${control.names?.[i] ?? i + 1}: arrow keys move it`,
+      'data-control': control.id, onkeydown: (event) => {
+        const step = event.shiftKey ? 0.05 : 0.01;
+        const way = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] }[event.key];
+        if (!way) return;
+        event.preventDefault();
+        const [x, y] = values[control.id][i];
+        put(x + way[0], y + way[1]);
+      } }, control.names?.[i] ?? String(i + 1));
+    handle.addEventListener('pointerdown', (event) => {
+      event.preventDefault();
+      event.stopPropagation();
+      handle.focus();
+      handle.setPointerCapture(event.pointerId);
+      const move = (event) => {
+        const rect = box.getBoundingClientRect();
+        put((event.clientX - rect.left) / rect.width, (event.clientY - rect.top) / rect.height);
+      };
+      handle.addEventListener('pointermove', move);
+      handle.addEventListener('pointerup', () => handle.removeEventListener('pointermove', move), { once: true });
+    });
+    box.append(handle);
+    return handle;
+  });
+  place(control);
+}
+
+function place(control) {
+  control.handles?.forEach((handle, i) => {
+    const [x, y] = values[control.id][i];
+    handle.style.left = `${100 * x}%`;
+    handle.style.top = `${100 * y}%`;
+  });
+}
+
+// Dragging the picture moves two sliders.
+function drag(box) {
+  box.addEventListener('pointerdown', (event) => {
+    box.setPointerCapture(event.pointerId);
+    let [x, y] = [event.clientX, event.clientY];
+    const move = (event) => {
+      for (const [id, way] of [[page.drag[0], x - event.clientX], [page.drag[1], event.clientY - y]]) {
+        const control = page.controls.find((control) => control.id === id);
+        if (!control) continue;
+        const value = values[id] + way * (control.max - control.min) / 600;
+        control.set(Math.min(control.max, Math.max(control.min, value)));
+      }
+      [x, y] = [event.clientX, event.clientY];
+      changed();
+    };
+    box.addEventListener('pointermove', move);
+    box.addEventListener('pointerup', () => box.removeEventListener('pointermove', move), { once: true });
+  });
+}
+
+for (const control of page.controls) {
+  const id = `control-${control.id}`;
+  if (control.kind === 'range') {
+    const shown = make('output', { for: id });
+    const input = make('input', { type: 'range', id, 'data-control': control.id, min: String(control.min), max: String(control.max), step: String(control.step ?? 'any'), value: String(control.value) });
+    const tell = () => { shown.textContent = `${number(values[control.id])}${control.unit ? ` ${control.unit}` : ''}`; };
+    control.set = (value) => { values[control.id] = value; input.value = String(value); tell(); };
+    input.addEventListener('input', () => { values[control.id] = Number(input.value); tell(); changed(); });
+    tell();
+    form.append(make('label', {}, control.label, shown, input));
+  } else if (control.kind === 'choice') {
+    const select = make('select', { id, 'data-control': control.id });
+    for (const option of control.options) {
+      const [value, text] = Array.isArray(option) ? option : [option, option];
+      select.append(make('option', { value, selected: value === control.value }, text));
+    }
+    control.set = (value) => { values[control.id] = value; select.value = value; };
+    select.addEventListener('change', () => { values[control.id] = select.value; changed(); });
+    form.append(make('label', {}, control.label, select));
+  } else if (control.kind === 'check') {
+    const input = make('input', { type: 'checkbox', id, 'data-control': control.id, checked: control.value });
+    input.addEventListener('change', () => { values[control.id] = input.checked; changed(); });
+    form.append(make('label', { class: 'check' }, input, control.label));
+  } else if (control.kind === 'picture') {
+    const input = make('input', { type: 'file', id, accept: 'image/*' });
+    input.addEventListener('change', () => input.files[0] && picture(control, input.files[0]));
+    form.append(make('label', {}, control.label, input));
+    document.addEventListener('dragover', (event) => event.preventDefault());
+    document.addEventListener('drop', (event) => {
+      event.preventDefault();
+      if (event.dataTransfer.files[0]) picture(control, event.dataTransfer.files[0]);
+    });
+  }
+}
+form.append(make('div', {}, make('button', { type: 'button', id: 'reset', onclick: reset }, 'Reset'), ' ',
+  make('button', { type: 'button', id: 'save', onclick: async () => save(`${name}.png`, await call('png', { panel: 0 }), 'image/png') }, 'Download PNG')));
+
+async function picture(control, file) {
+  // A name of its own for each file: the old picture stays until the new one is there.
+  const given = `own-${own.size}.${file.name.split('.').pop()}`;
+  const bytes = await file.arrayBuffer();
+  own.add(given);
+  await call('add', { name: given, bytes }, [bytes]);
+  values[control.id] = given;
+  changed();
+}
+
+function reset() {
+  for (const [id, value] of Object.entries(defaults(page))) {
+    const control = page.controls.find((control) => control.id === id);
+    values[id] = value;
+    if (control.kind === 'check') form.querySelector(`#control-${id}`).checked = value;
+    else control.set?.(value);
+    place(control);
+  }
+  changed();
+}
+
+// One request at a time; a quick one without its reference while controls move, the whole when they rest.
+let busy = false;
+let pending = null;
+let whole = 0;
+let resting = 0;
+function changed() {
+  main.dataset.state = 'busy';
+  clearTimeout(resting);
+  if (whole < 60) return draw(true);
+  draw(false);
+  resting = setTimeout(() => draw(true), 180);
+}
+
+async function draw(all) {
+  if (busy) { pending = all || pending === true; return; }
+  busy = true;
+  const request = page.request(values);
+  const full = request.reference || request.rays;
+  if (!all && full) { delete request.reference; delete request.rays; }
+  try {
+    const files = page.files(values).filter((file) => !own.has(file));
+    const answer = await call('ask', { files, request });
+    if (all) whole = answer.ms;
+    tell(answer, request, all || !full);
+  } catch (error) {
+    words.className = 'error';
+    words.textContent = error.message;
+  }
+  busy = false;
+  if (pending !== null) {
+    const next = pending;
+    pending = null;
+    draw(next);
+  } else if (all || !full) {
+    main.dataset.state = 'ready';
+    main.dataset.draws = String(Number(main.dataset.draws ?? 0) + 1);
+  }
+}
+
+async function tell(answer, request, all) {
+  const resting = JSON.stringify(values) === JSON.stringify(defaults(page));
+  answer.panels.forEach((panel, i) => {
+    const { canvas, caption } = stage(i);
+    show(canvas, panel);
+    canvas.setAttribute('aria-label', panel.name);
+    canvas.dataset.hash = panel.hash;
+    caption.replaceChildren(panel.name);
+  });
+  words.className = 'soft';
+  words.textContent = [`${Math.round(answer.ms)} ms`, ...answer.warnings].join(' · ');
+  if (!all) return;
+  while (stages.length > answer.panels.length) stages.pop().box.parentElement.remove();
+  figures.replaceChildren(...answer.figures.filter((figure) => !['point', 'camera'].includes(figure.unit)).map((figure) => make('tr', {},
+    make('td', {}, figure.name), make('td', { class: 'number' }, `${number(figure.value)} ${figure.unit}`),
+    make('td', { class: 'number soft' }, figure.expected === undefined ? '' : `theory ${number(figure.expected)}`))));
+  source.textContent = page.command ? page.command(values, answer) : request.text ? `texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${['interp', 'filter', 'wrap'].map((flag) => (request[flag] ? ` --${flag} ${request[flag]}` : '')).join('')}\n\npage.scene:\n${request.text}` : JSON.stringify(request, null, 1);
+  const known = (await hashes)[name];
+  answer.panels.forEach((panel, i) => {
+    const hash = make('span', { class: 'hash' }, ` ${panel.hash} `);
+    stages[i]?.caption.append(hash);
+    if (resting && known?.[i]) {
+      const same = known[i] === panel.hash;
+      stages[i]?.caption.append(make('span', { class: same ? 'same' : 'differs' }, same ? 'the bytes of the native program' : `native: ${known[i]}`));
+    }
+  });
+  if (resting && known) main.dataset.same = String(answer.panels.every((panel, i) => known[i] === panel.hash));
+}
+
+main.dataset.state = 'busy';
+draw(true);

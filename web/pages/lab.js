@@ -1,0 +1,63 @@
+// Calls of the Worker, and small parts that all pages share.
+
+const query = new URLSearchParams(location.search);
+const worker = new Worker(`worker.js${query.has('simd') ? `?simd=${query.get('simd')}` : ''}`, { type: 'module' });
+const waiting = new Map();
+let last = 0;
+worker.onmessage = ({ data }) => {
+  const { resolve, reject } = waiting.get(data.id);
+  waiting.delete(data.id);
+  if (data.error !== undefined) reject(new Error(data.error));
+  else resolve(data.result);
+};
+
+export function call(command, values = {}, moved = []) {
+  return new Promise((resolve, reject) => {
+    waiting.set(++last, { resolve, reject });
+    worker.postMessage({ id: last, command, ...values }, moved);
+  });
+}
+
+/// An element with attributes and children; `on...` attributes are listeners.
+export function make(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else if (name in element && typeof value !== 'string') element[name] = value;
+    else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+export function show(canvas, panel) {
+  if (canvas.width !== panel.width || canvas.height !== panel.height) [canvas.width, canvas.height] = [panel.width, panel.height];
+  canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(panel.rgba), panel.width, panel.height), 0, 0);
+}
+
+export function number(value) {
+  if (value === null) return 'not finite';
+  const size = Math.abs(value);
+  if (Number.isInteger(value) && size < 1e7) return String(value);
+  return size < 1e-3 || size >= 1e5 ? value.toExponential(2) : value.toPrecision(4);
+}
+
+export function save(name, bytes, type) {
+  const link = make('a', { href: URL.createObjectURL(new Blob([bytes], { type })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+export const hashes = fetch('hashes.json').then((answer) => (answer.ok ? answer.json() : {})).catch(() => ({}));
+
+const theme = document.getElementById('theme');
+try {
+  const kept = localStorage.getItem('theme');
+  if (kept) document.documentElement.dataset.theme = kept;
+} catch { /* no storage: the system's theme */ }
+theme?.addEventListener('click', () => {
+  const root = document.documentElement;
+  const dark = getComputedStyle(root).colorScheme === 'dark' || (getComputedStyle(root).colorScheme !== 'light' && matchMedia('(prefers-color-scheme: dark)').matches);
+  root.dataset.theme = dark ? 'light' : 'dark';
+  try { localStorage.setItem('theme', root.dataset.theme); } catch { /* not kept */ }
+});

@@ -1,0 +1,110 @@
+//! Files in memory, and scenes from them: prepared as `texmap render` prepares them, so that pictures have the same bytes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use texmap_io::framing::{Framing, Up, auto_lights, light_by_studio};
+use texmap_io::scene_file::Missing;
+use texmap_io::{FileSource, IoError, LoadOptions};
+use texmap_scene::{ColorMode, Material, MetallicRoughness, Scene, Shading};
+
+/// The files that requests name.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    held: BTreeMap<PathBuf, Vec<u8>>,
+    source: FileSource,
+}
+
+impl Files {
+    /// No file.
+    #[must_use]
+    pub fn new() -> Self {
+        let mut files = Self::default();
+        files.hold();
+        files
+    }
+
+    /// Adds files, each in place of one of its name.
+    pub fn add(&mut self, files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) {
+        self.held.extend(files);
+        self.hold();
+    }
+
+    fn hold(&mut self) {
+        self.source = FileSource::in_memory(self.held.clone());
+    }
+
+    /// Reads a scene or model; `text` stands in for the contents of a file of that name.
+    ///
+    /// # Errors
+    /// The first fault and its remedy, as the program prints them.
+    pub(crate) fn scene(
+        &self,
+        file: &str,
+        text: Option<&str>,
+        aspect: f64,
+    ) -> Result<Scene, String> {
+        let path = Path::new(file);
+        let mut files = self.source.clone();
+        if let Some(text) = text {
+            files = files.with_file(path.to_path_buf(), text.as_bytes().to_vec());
+        }
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        let model = !ending.eq_ignore_ascii_case("scene");
+        let up = match ending.eq_ignore_ascii_case("stl") {
+            true => Up::Z,
+            false => Up::Y,
+        };
+        let options = LoadOptions {
+            aspect,
+            framing: Framing {
+                up,
+                ..Framing::default()
+            },
+            missing: model.then_some(Missing::Checker),
+            files,
+            ..LoadOptions::default()
+        };
+        let mut scene = texmap_io::load(path, &options).map_err(|e| words(&e))?;
+        if model {
+            light_model(&mut scene, up);
+        }
+        Ok(scene)
+    }
+}
+
+fn words(error: &IoError) -> String {
+    format!("{error}\n{}", error.help())
+}
+
+/// A model is metallic-roughness under the neutral studio unless it brings light of its own.
+fn light_model(scene: &mut Scene, up: Up) {
+    if scene.color == ColorMode::Srgb {
+        for material in &mut scene.materials {
+            if material.metallic_roughness.is_none() {
+                material.metallic_roughness = Some(MetallicRoughness::of_classic(material));
+            }
+        }
+    }
+    let around = |m: &Material| m.metallic_roughness.is_some() && m.shading == Shading::PerPixel;
+    if scene.materials.iter().any(around) && scene.effects.environment_light.is_none() {
+        let brought = std::mem::take(&mut scene.lights);
+        light_by_studio(scene, up);
+        // Those of the loader stand in for light from all around.
+        if brought != auto_lights(up) {
+            scene.lights = brought;
+        }
+    }
+    let dark = |m: &Material| match m.shading {
+        Shading::Unlit => false,
+        Shading::PerVertex => true,
+        Shading::PerPixel => m.metallic_roughness.is_none(),
+    };
+    let drawn = scene
+        .meshes
+        .iter()
+        .map(|mesh| &scene.materials[mesh.material]);
+    if scene.lights.is_empty() && drawn.into_iter().any(dark) {
+        scene.lights = auto_lights(up);
+    }
+}
