@@ -13,27 +13,27 @@ use super::{CacheAligned, is_wide};
 
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
-    __m128i, __m256i, __m512i, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128, _mm_set_epi64x,
-    _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
-    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
-    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
-    _mm512_castsi128_si512, _mm512_castsi512_si256, _mm512_extracti64x4_epi64,
-    _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4, _mm512_min_epu32,
-    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
-    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
-    _mm512_unpacklo_epi64,
+    __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
+    _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
+    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
+    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
+    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
+    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
+    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
+    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
 };
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::{
-    __m128i, __m256i, __m512i, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128, _mm_set_epi64x,
-    _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epu32,
-    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
-    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
-    _mm512_castsi128_si512, _mm512_castsi512_si256, _mm512_extracti64x4_epi64,
-    _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4, _mm512_min_epu32,
-    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
-    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
-    _mm512_unpacklo_epi64,
+    __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
+    _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
+    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
+    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
+    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
+    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
+    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
+    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
 };
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
@@ -70,9 +70,7 @@ pub fn prefetch(bytes: &[u8]) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch reads nothing, faults nowhere, and is part of what every x86-64 has.
     unsafe {
-        core::arch::x86_64::_mm_prefetch::<{ core::arch::x86_64::_MM_HINT_ET0 }>(
-            bytes.as_ptr().cast(),
-        );
+        _mm_prefetch::<{ core::arch::x86_64::_MM_HINT_ET0 }>(bytes.as_ptr().cast());
     }
     let _ = bytes;
 }
@@ -382,6 +380,17 @@ unsafe fn quad(words: GatherTable<'_>, at: u32) -> __m128i {
     unsafe { _mm_loadu_si128(words.data.as_ptr().add(at as usize).cast()) }
 }
 
+/// Asks for the cache line of a word three blocks on, where `first` and `last` are those of the first and last of four pixels in a row.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[inline(always)]
+fn ahead(words: GatherTable<'_>, first: u32, last: u32) {
+    let step = (last.wrapping_sub(first) as i32).wrapping_mul(4);
+    let at = words.data.as_ptr();
+    let at = at.wrapping_offset((first as i32).wrapping_add(step) as isize);
+    // SAFETY: a prefetch reads nothing and faults nowhere, and every x86-64 has it.
+    unsafe { _mm_prefetch::<{ _MM_HINT_T0 }>(at.cast()) };
+}
+
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
     /// Of more than three words, each four by one load. Words beyond the end are not read, and those read instead have no
@@ -394,6 +403,9 @@ fearless_simd::kernel!(
         // SAFETY: sixteen words are what the array holds.
         unsafe { _mm512_storeu_si512(at.0.as_mut_ptr().cast(), index) };
         let CacheAligned(at) = core::hint::black_box(&at);
+        for row in 0..4 {
+            ahead(words, at[4 * row], at[4 * row + 3]);
+        }
         let mut rows = [_mm512_setzero_si512(); 4];
         for (i, row) in rows.iter_mut().enumerate() {
             // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
@@ -422,6 +434,8 @@ fearless_simd::kernel!(
     #[inline(always)]
     fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 4] {
         let at = indices_avx2(token, index, words.last.saturating_sub(3));
+        ahead(words, at[0], at[3]);
+        ahead(words, at[4], at[7]);
         // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
         let [a, b, c, d] = unsafe {
             [
