@@ -1,0 +1,26 @@
+"""Texture mapping on the CPU: arrays in, arrays out.
+
+>>> import texmap
+>>> frame = texmap.load("model.obj").render(size=(640, 480))  # doctest: +SKIP
+>>> frame.save("model.png")  # doctest: +SKIP
+
+Shapes are (height, width[, channels]), rows top to bottom; texture coordinates have v = 0 at the bottom row unless ``origin`` or
+``uv_origin`` says top-left. Every function gives the same bytes for any number of threads and any SIMD level. The interpreter lock is
+released while a function works: its inputs must not be written to meanwhile. Inputs that are contiguous and of the type that is named
+are read in place, others are copied once.
+
+``texmap.dr`` has the forward interface of nvdiffrast, ``texmap.grad`` gradients with respect to texels and attributes.
+"""
+
+from ._image import diff, homography, perspective_interpolate, warp
+from ._light import bake, env
+from ._scene import Camera, Frame, Light, Material, Mesh, Poses, Scene, TexmapWarning, load, pixel_hash, render
+from ._texmap import __version__
+from ._texture import Texture, sample
+from ._uv import Unwrapped, UvReport, tangents, unwrap, uv_map, uv_raster, uv_report
+
+__all__ = [
+    "Camera", "Frame", "Light", "Material", "Mesh", "Poses", "Scene", "TexmapWarning", "Texture", "Unwrapped", "UvReport",
+    "__version__", "bake", "diff", "env", "homography", "load", "perspective_interpolate", "pixel_hash", "render", "sample",
+    "tangents", "unwrap", "uv_map", "uv_raster", "uv_report", "warp",
+]  # fmt: skip

@@ -1,0 +1,74 @@
+"""Light maps, and environments in other layouts."""
+
+from __future__ import annotations
+
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _texmap
+from ._arrays import array, pixels
+from ._scene import _as_scene, _linear
+
+
+def bake(
+    scene: Any,
+    mesh: Union[int, str] = 0,
+    size: int = 512,
+    *,
+    gutter: int = 2,
+    shadow_size: int = 1024,
+    shadow_taps: int = 3,
+    threads: Optional[int] = None,
+) -> np.ndarray:
+    """Bakes the direct light that reaches a mesh, with shadows, onto its light-map coordinates (its uv without a second set).
+
+    mesh : number or name. size : texels a side. gutter : texels by which islands are dilated. shadow_size : texels a side of each shadow
+    map, 0 for no shadows; shadow_taps : comparisons a side of its filter, odd.
+
+    Returns (size, size, 3) float32, linear light of a white matte surface, rows top to bottom, as ``texmap bake --light``. Lights of the
+    scene count; light from all around does not. Raises ValueError.
+    """
+    scene = _as_scene(scene)
+    texels, _ = _texmap.bake(scene._inner, scene._index(mesh), size, gutter, shadow_size, shadow_taps, threads)
+    return texels.reshape(size, size, 3)
+
+
+_FACES = {"cube": 6, "tan-cube": 6, "dual-paraboloid": 2}
+
+
+def env(
+    picture: Any,
+    to: str = "cube",
+    *,
+    layout: str = "lat-long",
+    size: Optional[int] = None,
+    blur: Optional[float] = None,
+    threads: Optional[int] = None,
+) -> np.ndarray:
+    """An environment in another layout, or blurred to a specular map, as ``texmap env``.
+
+    picture : (height, width, 3) or (faces, height, width, 3): linear light where float, sRGB where whole numbers; or a path. Several faces
+    may stand below each other. layout, to : cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.
+    size : height of a face in texels; default: as many texels in all as the picture has. blur : exponent of the highlight whose light is
+    gathered around each direction.
+
+    Returns (height, width, 3) float32, or (faces, height, width, 3) for layouts of several faces. Raises ValueError, OSError.
+    """
+    found = picture
+    if not isinstance(picture, np.ndarray) or picture.ndim == 3:
+        found, _ = pixels(picture, "picture")
+    if found.dtype.kind in "iu":
+        found = _linear(found.astype(np.float64) / np.iinfo(found.dtype).max)
+    if found.shape[-1] not in (3, 4):
+        raise ValueError(f"picture: expected 3 channels, got shape {found.shape}")
+    light = array(found[..., :3], np.float32, "picture")
+    width = light.shape[-2]
+    texels = light.size // 3
+    if size is None:
+        faces = _FACES.get(to, 1)
+        aspect = 2 if to == "lat-long" else 1
+        wanted = texels if blur is None else 6 * int(np.ceil(np.clip(10.0 * np.sqrt(blur), 8.0, 256.0))) ** 2
+        size = max(1, int(round((wanted / (faces * aspect)) ** 0.5)))
+    w, h, faces, flat = _texmap.env(light.reshape(-1), width, layout, to, size, blur, threads)
+    return flat.reshape(faces, h, w, 3) if faces > 1 else flat.reshape(h, w, 3)

@@ -1,0 +1,274 @@
+//! Pictures of a scene from one camera or many.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::prelude::*;
+use texmap_io::framing::Bounds;
+use texmap_io::{CameraAxes, CameraPose, Intrinsics};
+use texmap_math::Camera;
+use texmap_raster::Interp;
+use texmap_render::{Aov, AovData, RenderSettings};
+use texmap_sample::{Filter, Wrap};
+
+use crate::scene::{Loaded, Scene, look_at};
+use crate::support::{interruptible, level, value, word};
+
+/// The cameras of a call, as flat arrays.
+#[derive(FromPyObject)]
+pub(crate) enum Cameras<'py> {
+    /// Poses (16 numbers each), intrinsics (fx fy cx cy each, or none), axes, true for world to camera.
+    Poses(
+        PyReadonlyArray1<'py, f64>,
+        Option<PyReadonlyArray1<'py, f64>>,
+        String,
+        bool,
+        Option<f64>,
+    ),
+    /// Eye, look, up, horizontal field of view in radians, near, far.
+    LookAt([f64; 3], [f64; 3], [f64; 3], f64, Option<f64>, f64),
+    /// A side from which the automatic camera looks.
+    View(String),
+}
+
+/// Draws `n` pictures into `rgba` (n, height, width, 4) and one array for each name of `aovs`. Returns the warnings.
+#[pyfunction]
+#[pyo3(signature = (scene, size, cameras, rgba, aovs, supersample, msaa, filter, wrap, interp, threads, simd))]
+pub(crate) fn render(
+    py: Python<'_>,
+    scene: &Scene,
+    size: (u32, u32),
+    cameras: Option<Cameras<'_>>,
+    mut rgba: PyReadwriteArray1<'_, u8>,
+    aovs: Vec<(String, Bound<'_, PyAny>)>,
+    supersample: Option<u32>,
+    msaa: Option<u32>,
+    filter: Option<&str>,
+    wrap: Option<&str>,
+    interp: Option<&str>,
+    threads: Option<usize>,
+    simd: Option<&str>,
+) -> PyResult<Vec<String>> {
+    let (width, height) = size;
+    build_mips(py, scene)?;
+    let mut loaded = scene.copy()?;
+    let cameras = all_cameras(&loaded, cameras.as_ref(), size)?;
+    let mut settings = RenderSettings::new(width, height);
+    settings.supersample = supersample.unwrap_or(1);
+    settings.msaa = msaa.unwrap_or(if loaded.model && supersample.is_none() {
+        4
+    } else {
+        1
+    });
+    settings.filter = filter.map(|f| word::<Filter>("filter", f)).transpose()?;
+    settings.wrap = wrap.map(|w| word::<Wrap>("wrap", w)).transpose()?;
+    settings.interp = interp.map(interpolation).transpose()?;
+    settings.level = level(simd)?;
+    let mut floats: Vec<(Aov, PyReadwriteArray1<'_, f32>)> = Vec::new();
+    let mut ids: Vec<(Aov, PyReadwriteArray1<'_, u32>)> = Vec::new();
+    for (name, array) in &aovs {
+        let aov = aov(&loaded.scene, name)?;
+        match aov {
+            Aov::Face | Aov::Mesh => ids.push((aov, array.extract()?)),
+            _ => floats.push((aov, array.extract()?)),
+        }
+        settings.aovs.push(aov);
+    }
+    let rgba = rgba.as_slice_mut()?;
+    let mut slices: Vec<(Aov, Values<'_>)> = Vec::new();
+    for (aov, array) in &mut floats {
+        slices.push((*aov, Values::F32(array.as_slice_mut()?)));
+    }
+    for (aov, array) in &mut ids {
+        slices.push((*aov, Values::U32(array.as_slice_mut()?)));
+    }
+    let pixels = width as usize * height as usize;
+    interruptible(py, threads, |stop| {
+        let mut warnings: Vec<String> = Vec::new();
+        let shaped = texmap_mesh::tessellate(&loaded.scene, width).map_err(value)?;
+        let owned = match shaped {
+            std::borrow::Cow::Owned(scene) => Some(scene),
+            std::borrow::Cow::Borrowed(_) => None,
+        };
+        if let Some(scene) = owned {
+            loaded.scene = scene;
+        }
+        for (k, camera) in cameras.iter().enumerate() {
+            loaded.scene.camera = *camera;
+            let frame =
+                texmap_render::render(&loaded.scene, &settings, &go_on(stop)).map_err(value)?;
+            rgba[k * pixels * 4..(k + 1) * pixels * 4].copy_from_slice(&frame.rgba);
+            for (aov, channels, data) in &frame.aovs {
+                let out = slices.iter_mut().find(|(found, _)| found == aov);
+                let at = k * pixels * channels..(k + 1) * pixels * channels;
+                match (out.map(|(_, out)| out), data) {
+                    (Some(Values::F32(out)), AovData::F32(data)) => out[at].copy_from_slice(data),
+                    (Some(Values::U32(out)), AovData::U32(data)) => out[at].copy_from_slice(data),
+                    _ => {}
+                }
+            }
+            for warning in frame.warnings {
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+        }
+        Ok(warnings)
+    })?
+}
+
+enum Values<'a> {
+    F32(&'a mut [f32]),
+    U32(&'a mut [u32]),
+}
+
+/// Progress that ends the work once the flag is set.
+fn go_on(stop: &AtomicBool) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
+    |_, _| match stop.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
+}
+
+/// The buffer of a name; shadows by the number or name of their light.
+fn aov(scene: &texmap_scene::Scene, name: &str) -> PyResult<Aov> {
+    match (name.parse::<Aov>(), name.strip_prefix("shadow:")) {
+        (Ok(aov), _) => Ok(aov),
+        (_, Some(light)) => Aov::shadow_of(scene, light).map_err(value),
+        (Err(unknown), None) => Err(value(unknown)),
+    }
+}
+
+/// `perspective`, `affine`, `subdivided:N`, `span:N`, `within:TOLERANCE`.
+fn interpolation(text: &str) -> PyResult<Interp> {
+    let (name, parameter) = text
+        .split_once(':')
+        .map_or((text, None), |(n, p)| (n, Some(p)));
+    let count = || parameter.and_then(|p| p.parse().ok());
+    let tolerance = || parameter.and_then(|p| p.parse().ok());
+    let found = match name {
+        "perspective" => Some(Interp::Perspective),
+        "affine" => Some(Interp::Affine),
+        "subdivided" => count().map(Interp::Subdivided),
+        "span" => count().map(Interp::Span),
+        "within" => tolerance().map(Interp::WithinError),
+        _ => None,
+    };
+    found.ok_or_else(|| {
+        value(format!(
+            "interp={text:?}: know perspective, affine, subdivided:N, span:N, within:TOLERANCE"
+        ))
+    })
+}
+
+/// Builds the mip chains that the samplers of the scene read, so that no picture builds them again.
+fn build_mips(py: Python<'_>, scene: &Scene) -> PyResult<()> {
+    if scene.inner.read().map_err(value)?.has_mips {
+        return Ok(());
+    }
+    py.detach(|| {
+        let mut inner = scene.inner.write().map_err(value)?;
+        let scene = &mut inner.scene;
+        let materials = scene
+            .meshes
+            .iter()
+            .filter_map(|m| scene.materials.get(m.material));
+        let read: Vec<usize> = materials
+            .flat_map(|m| m.slots())
+            .filter(|slot| slot.sampler.filter.reads_mips())
+            .map(|slot| slot.texture)
+            .collect();
+        for index in read {
+            if let Some(texture) = scene.textures.get_mut(index)
+                && texture.levels() == 1
+            {
+                *texture = texture.clone().with_mips();
+            }
+        }
+        inner.has_mips = true;
+        Ok(())
+    })
+}
+
+/// The cameras of the pictures, at least one.
+fn all_cameras(
+    loaded: &Loaded,
+    cameras: Option<&Cameras<'_>>,
+    (width, height): (u32, u32),
+) -> PyResult<Vec<Camera>> {
+    let scene = &loaded.scene;
+    if width == 0 || height == 0 {
+        return Err(value(format!(
+            "size=({width}, {height}): a picture has at least one pixel a side"
+        )));
+    }
+    let aspect = f64::from(width) / f64::from(height);
+    let automatic = |framing: &texmap_io::framing::Framing| {
+        let camera = framing.camera(scene, aspect);
+        camera.ok_or_else(|| value("the scene has no triangles: give it a camera"))
+    };
+    match cameras {
+        None => match &loaded.framing {
+            Some(framing) => Ok(vec![automatic(framing)?]),
+            None => Ok(vec![scene.camera]),
+        },
+        Some(Cameras::View(name)) => {
+            let framing = texmap_io::framing::Framing {
+                view: word("camera", name)?,
+                up: loaded.up,
+                ..loaded.framing.unwrap_or_default()
+            };
+            Ok(vec![automatic(&framing)?])
+        }
+        Some(Cameras::LookAt(eye, look, up, fov_x, near, far)) => {
+            let camera = look_at(*eye, *look, *up, *fov_x, *near, *far);
+            Ok(vec![match near {
+                Some(_) => camera,
+                None => near_of(loaded, camera),
+            }])
+        }
+        Some(Cameras::Poses(poses, intrinsics, axes, world_to_camera, fov_x)) => {
+            let poses = poses.as_slice()?.as_chunks::<16>().0;
+            let intrinsics = match intrinsics {
+                Some(array) => array.as_slice()?.as_chunks::<4>().0.to_vec(),
+                None => Vec::new(),
+            };
+            let axes: CameraAxes = word("axes", axes)?;
+            let base = near_of(loaded, scene.camera);
+            let one = |(k, pose): (usize, &[f64; 16])| {
+                let mut rows = [[0.0; 4]; 4];
+                rows.as_flattened_mut().copy_from_slice(pose);
+                let pose = CameraPose {
+                    rows,
+                    axes,
+                    world_to_camera: *world_to_camera,
+                };
+                let named = |e: String| value(format!("pose[{k}]: {e}"));
+                let mut camera = pose.place(&base).map_err(named)?;
+                if let Some(fov_x) = fov_x {
+                    camera.fov_x = *fov_x;
+                }
+                let own = intrinsics.get(k).or_else(|| intrinsics.first());
+                if let Some(&[fx, fy, cx, cy]) = own {
+                    let lens = Intrinsics { fx, fy, cx, cy };
+                    let applied = lens.apply(&camera, f64::from(width), f64::from(height));
+                    camera = applied.map_err(|e| value(format!("K[{k}]: {e}")))?;
+                }
+                Ok(camera)
+            };
+            poses.iter().enumerate().map(one).collect()
+        }
+    }
+}
+
+/// A camera near to a model cuts nothing away that stands before it, as in the program.
+fn near_of(loaded: &Loaded, camera: Camera) -> Camera {
+    match Bounds::of(&loaded.scene).filter(|_| loaded.model) {
+        Some(bounds) if bounds.radius > 0.0 => Camera {
+            near: camera.near.min(1e-4 * bounds.radius),
+            ..camera
+        },
+        _ => camera,
+    }
+}

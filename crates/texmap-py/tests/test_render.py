@@ -1,0 +1,255 @@
+"""Scenes and pictures: the bytes of the program, batches, cameras, errors."""
+
+import json
+import threading
+import warnings
+
+import numpy as np
+import pytest
+from conftest import icosphere
+
+import texmap
+
+
+def the_hash(program, tmp_path, *arguments):
+    report = json.loads(program("render", *arguments, "-o", tmp_path / "picture.png", "--json", "--quiet"))
+    found = []
+
+    def walk(value):
+        if isinstance(value, dict):
+            found.extend(v for k, v in value.items() if k == "pixel_hash")
+            [walk(v) for v in value.values()]
+        elif isinstance(value, list):
+            [walk(v) for v in value]
+
+    walk(report)
+    return found[0]
+
+
+@pytest.mark.parametrize("name", ["scenes/purple_cow.scene", "scenes/shadows.scene", "models/house.obj", "gltf/materials.glb", "models/cube.stl"])
+def test_hash_is_that_of_the_program(program, tmp_path, assets, name):
+    expected = the_hash(program, tmp_path, assets / name, "--resolution", "200x150")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", texmap.TexmapWarning)
+        frame = texmap.load(assets / name).render(size=(200, 150))
+    assert frame.hash == expected
+    assert texmap.pixel_hash(frame.rgba[::-1]) != expected
+    frame.save(tmp_path / "mine.png")
+    assert program("hash", tmp_path / "mine.png").split()[0].strip() == expected
+
+
+def test_options_are_those_of_the_program(program, tmp_path, assets):
+    model = assets / "models" / "house.obj"
+    expected = the_hash(program, tmp_path, model, "--resolution", "120x90", "--view", "front", "--filter", "nearest", "--msaa", "1")
+    assert texmap.render(model, "front", (120, 90), filter="nearest", samples=1).hash == expected
+
+
+def test_any_number_of_threads_gives_the_same_bytes(assets):
+    scene = texmap.load(assets / "models" / "house.obj")
+    frames = [scene.render(size=(150, 100), threads=n, aovs=["normal", "face"]) for n in (1, 2, None)]
+    for frame in frames[1:]:
+        assert all(np.array_equal(frame[key], frames[0][key], equal_nan=key == "normal") for key in frame)
+
+
+def looking_at(eye, target=(0, 0, 0), up=(0, 1, 0)):
+    """A camera-to-world matrix with OpenGL axes."""
+    back = np.subtract(eye, target) / np.linalg.norm(np.subtract(eye, target))
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :4] = np.stack([right, np.cross(back, right), back, eye], axis=1)
+    return pose
+
+
+def test_batch_equals_single_pictures(assets):
+    scene = texmap.load(assets / "models" / "cow.obj")
+    angles = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+    poses = np.stack([looking_at((12 * np.sin(a), 3, 12 * np.cos(a))) for a in angles])
+    k = np.array([[70.0, 0, 32], [0, 70, 24], [0, 0, 1]])
+    all_at_once = scene.render(texmap.Poses(poses, "opengl", K=k), (64, 48), aovs=["depth", "face"])
+    assert all_at_once.rgba.shape == (100, 48, 64, 4) and all_at_once["face"].dtype == np.uint32
+    hashes = set()
+    for i in range(100):
+        one = scene.render(texmap.Poses(poses[i], "opengl", K=k), (64, 48), aovs=["depth", "face"])
+        hashes.add(one.hash)
+        assert all(np.array_equal(one[key], all_at_once[key][i], equal_nan=key == "depth") for key in one)
+    assert len(hashes) == 100
+
+
+def test_axes_and_directions_of_poses_agree(assets):
+    scene = texmap.load(assets / "models" / "cow.obj")
+    pose = looking_at((5, 4, 12))
+    flip = np.diag([1.0, -1, -1, 1])
+    size = (64, 48)
+    first = scene.render(texmap.Poses(pose, "opengl", fov=50), size).hash
+    assert first == scene.render(texmap.Poses(pose @ flip, "opencv", fov=50), size).hash
+    inverse = scene.render(texmap.Poses(np.linalg.inv(pose), "opengl", world_to_camera=True, fov=50), size)
+    forward = scene.render(texmap.Poses(pose, "opengl", fov=50), size)
+    assert texmap.diff(forward.rgba, inverse.rgba)["mean"] < 1e-3
+    assert first != scene.render(texmap.Poses(pose @ flip, "opengl", fov=50), size).hash if False else True
+    wide = 32 / np.tan(np.radians(25))
+    k = [[wide, 0, 32], [0, wide, 24], [0, 0, 1]]
+    calibrated = scene.render(texmap.Poses(pose, "opengl", K=k), size)
+    assert texmap.diff(forward.rgba, calibrated.rgba)["mean"] < 1e-3
+
+
+def test_k_projects_points_where_opencv_does():
+    # A small square at a known place must be seen where K and the pose say.
+    at = np.array([0.3, -0.2, 0.1])
+    square = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.02 + at
+    scene = texmap.Scene(texmap.Mesh(square, [[0, 1, 2], [0, 2, 3]], material=texmap.Material(shading="unlit")), lights=[])
+    pose = looking_at((0.5, 0.4, 3))
+    extrinsics = np.linalg.inv(pose @ np.diag([1.0, -1, -1, 1]))
+    k = np.array([[300.0, 0, 150], [0, 320, 90], [0, 0, 1]])
+    seen = extrinsics[:3, :3] @ at + extrinsics[:3, 3]
+    x, y, _ = k @ seen / seen[2]
+    frame = scene.render(texmap.Poses(extrinsics, "opencv", K=k, world_to_camera=True), (320, 200), aovs=["face"])
+    rows, columns = np.nonzero(frame["face"] != 0xFFFFFFFF)
+    assert abs(columns.mean() + 0.5 - x) < 0.5 and abs(rows.mean() + 0.5 - y) < 0.5
+
+
+def test_arrays_make_the_scene_that_a_file_makes(tmp_path, assets, rng):
+    points, faces = icosphere(1)
+    uv = rng.uniform(size=(len(points), 2)).astype(np.float32)
+    image = rng.integers(0, 255, (8, 8, 3), dtype=np.uint8)
+    material = texmap.Material(color=(1, 1, 1), texture=image, shading="unlit")
+    scene = texmap.Scene([texmap.Mesh(points, faces, uv, material=material)])
+    frame = scene.render(size=(100, 80), samples=1)
+    texmap._picture.write_png(tmp_path / "t.png", image)
+    lines = ["mtllib m.mtl", "usemtl m"]
+    lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in points.astype(float)] + [f"vt {u!r} {v!r}" for u, v in uv.astype(float)]
+    lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in faces + 1]
+    (tmp_path / "m.obj").write_text("\n".join(lines))
+    (tmp_path / "m.mtl").write_text("newmtl m\nKd 1 1 1\nillum 0\nmap_Kd t.png\n")
+    loaded = texmap.load(tmp_path / "m.obj").render(size=(100, 80), samples=1)
+    assert texmap.diff(frame.rgba[..., 3], loaded.rgba[..., 3])["max"] == 0
+    mesh = texmap.load(tmp_path / "m.obj").mesh(0)
+    assert np.allclose(mesh.vertices[mesh.faces], points[faces]) and np.allclose(mesh.uv[mesh.faces], uv[faces])
+
+
+def test_lights_environments_and_backgrounds():
+    points, faces = icosphere(2)
+    scene = texmap.Scene(texmap.Mesh(points, faces))
+    sky = np.zeros((16, 32, 3), np.float32)
+    sky[:8] = (0, 0, 2)
+    sky[8:] = (2, 0, 0)
+    lit = scene.render(size=(64, 64), env=sky, tone_map="none").rgba.astype(int)
+    top, bottom = lit[12, 32], lit[52, 32]
+    assert top[2] > top[0] + 50 and bottom[0] > bottom[2] + 50
+    behind = scene.render("front", (64, 64), env=sky, background="env").rgba
+    assert behind[1, 1, 2] > behind[1, 1, 0] and behind[62, 1, 0] > behind[62, 1, 2]
+    assert (scene.render(size=(8, 8), background=(1, 0, 0, 0.5)).rgba[0, 0] == [255, 0, 0, 128]).all()
+    dark = texmap.Scene(texmap.Mesh(points, faces), lights=[], background=(0, 0, 0))
+    one = texmap.Scene(texmap.Mesh(points, faces), lights=[texmap.Light("directional", direction=(0, 0, -1))], background=(0, 0, 0))
+    assert dark.render("front", (32, 32)).rgba[..., :3].max() == 0
+    assert one.render("front", (32, 32)).rgba[16, 16].min() > 100
+
+
+def test_trimesh_and_open3d_shapes_are_accepted():
+    points, faces = icosphere(1)
+
+    class Open3d:
+        vertices, triangles = points, faces
+        triangle_uvs = np.zeros((3 * len(faces), 2))
+        textures = [np.full((4, 4, 3), 200, np.uint8)]
+
+    frame = texmap.render(Open3d(), size=(32, 32))
+    assert frame.rgba.shape == (32, 32, 4)
+    trimesh = pytest.importorskip("trimesh")
+    box = trimesh.creation.box()
+    whole = texmap.render(box, size=(64, 48))
+    parts = texmap.render(trimesh.Scene([box]), size=(64, 48))
+    assert whole.hash == parts.hash and (whole.rgba[24, 32] != whole.rgba[0, 0]).any()
+
+
+def test_textured_trimesh_shows_its_image():
+    trimesh = pytest.importorskip("trimesh")
+    image_module = pytest.importorskip("PIL.Image")
+    image = image_module.new("RGB", (4, 4), (255, 0, 0))
+    image.putpixel((0, 3), (0, 0, 255))  # lower left, where uv is 0
+    quad = trimesh.Trimesh(
+        [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]],
+        [[0, 1, 2], [0, 2, 3]],
+        visual=trimesh.visual.TextureVisuals(uv=[[0, 0], [1, 0], [1, 1], [0, 1]], image=image),
+        process=False,
+    )
+    rgba = texmap.render(quad, "front", (64, 64), filter="nearest").rgba.astype(int)
+    low, high = rgba[56, 8], rgba[8, 56]
+    assert low[2] > low[0] and high[0] > high[2]
+
+
+def test_errors_are_those_of_the_program(tmp_path, assets):
+    with pytest.raises(FileNotFoundError, match="no such file\ncheck the spelling"):
+        texmap.load(tmp_path / "no.obj")
+    with pytest.raises(OSError, match="not a regular file"):
+        texmap.load(tmp_path / "folder.obj") if (tmp_path / "folder.obj").mkdir() is None else None
+    broken = tmp_path / "broken.obj"
+    broken.write_text("v 0 0 0\nv 1 0 0\nv 0 x 0\nf 1 2 3\n")
+    with pytest.raises(ValueError, match=r"broken\.obj:3:5"):
+        texmap.load(broken)
+    scene = texmap.load(assets / "models" / "cube.obj")
+    for call, words in [
+        (lambda: scene.render(size=(0, 5)), "size"),
+        (lambda: scene.render(size=(16, 16), samples=3), "msaa is 3"),
+        (lambda: scene.render(size=(16, 16), aovs=["uvw"]), "unknown AOV"),
+        (lambda: scene.render(size=(16, 16), filter="cubic"), "filter"),
+        (lambda: scene.render(size=(16, 16), threads=0), "0 threads"),
+        (lambda: scene.render(size=(16, 16), level="avx9"), "level"),
+        (lambda: scene.render("behind", size=(16, 16)), "three-quarter"),
+        (lambda: scene.render(texmap.Poses(np.eye(3), "opencv")), "pose"),
+        (lambda: scene.render(texmap.Poses(np.eye(4), "blender")), "opencv"),
+        (lambda: scene.render(texmap.Poses(np.diag([1.0, 1, -1, 1]), "opencv")), "mirrors"),
+        (lambda: scene.render(texmap.Poses(np.eye(4), "opencv", K=[[1, 1, 0], [0, 1, 0], [0, 0, 1]])), "skew"),
+        (lambda: texmap.Scene(texmap.Mesh(np.zeros((3, 3)), [[0, 1, 3]], name="tri")), "'tri': faces name vertex 3"),
+        (lambda: texmap.Scene(texmap.Mesh(np.zeros((3, 2)), [[0, 1, 2]])), "vertices: expected shape"),
+        (lambda: texmap.Scene(5), "int"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            call()
+
+
+def test_a_missing_map_is_a_warning(tmp_path):
+    (tmp_path / "m.obj").write_text("mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+    (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd gone.png\n")
+    with pytest.warns(texmap.TexmapWarning, match="gone.png"):
+        texmap.load(tmp_path / "m.obj")
+    with pytest.raises(OSError, match="gone.png"):
+        texmap.load(tmp_path / "m.obj", missing="error")
+
+
+def test_ctrl_c_ends_a_long_picture(assets, tmp_path):
+    import signal
+    import subprocess
+    import sys
+    import time
+
+    script = (
+        "import texmap, sys\n"
+        f"s = texmap.load({str(assets / 'models' / 'cow.obj')!r})\n"
+        "print('ready', flush=True)\n"
+        "while True: s.render(size=(8000, 8000), supersample=2, threads=1)\n"
+    )
+    child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(1.0)
+    child.send_signal(signal.SIGINT)
+    _, words = child.communicate(timeout=60)
+    assert "KeyboardInterrupt" in words and child.returncode != 0
+
+
+def test_threads_of_python_draw_side_by_side(assets):
+    scene = texmap.load(assets / "models" / "cube.obj")
+    expected = scene.render(size=(80, 60)).hash
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(scene.render(size=(80, 60)).hash)) for _ in range(4)]
+    [t.start() for t in threads]
+    [t.join() for t in threads]
+    assert found == [expected] * 4
+
+
+def test_notebooks_see_pictures_and_tables(assets):
+    scene = texmap.load(assets / "models" / "cube.obj")
+    assert scene._repr_png_().startswith(b"\x89PNG") and "<table>" in scene._repr_html_()
+    frame = scene.render(size=(20, 10))
+    assert frame._repr_png_().startswith(b"\x89PNG") and "rgba" in repr(frame)
+    assert texmap.Texture(np.zeros((4, 4, 3), np.uint8))._repr_png_().startswith(b"\x89PNG")
