@@ -480,6 +480,8 @@ fn manifests_name_items_with_settings() {
 #[test]
 fn every_verb_runs_as_a_batch() {
     let desk = Desk::new();
+    let sky = image::RgbImage::from_fn(16, 8, |x, y| image::Rgb([x as u8 * 16, y as u8 * 30, 99]));
+    sky.save(desk.path("sky.png")).unwrap();
     desk.put("q.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n");
     for (batch, alone, made) in [
         (
@@ -498,9 +500,9 @@ fn every_verb_runs_as_a_batch() {
             ("w/check.png", "alone.png"),
         ),
         (
-            "batch env check.png -o e/{model}.exr --to cube --size 8",
-            "env check.png -o alone.exr --to cube --size 8",
-            ("e/check.exr", "alone.exr"),
+            "batch env sky.png -o e/{model}.exr --to cube --size 8",
+            "env sky.png -o alone.exr --to cube --size 8",
+            ("e/sky.exr", "alone.exr"),
         ),
     ] {
         let (all, _) = lines(&desk.texmap(batch).ok());
