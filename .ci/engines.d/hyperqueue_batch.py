@@ -6,7 +6,6 @@ one of the workers; that process is killed in the middle, and its tasks run agai
 import os
 import signal
 import sys
-import tempfile
 import time
 
 from hyperqueue import Job, LocalCluster
@@ -17,7 +16,7 @@ COUNT = sum(1 for _ in open("list.txt"))
 
 
 def run(shards, workers, ready=None):
-    with LocalCluster(tempfile.mkdtemp(dir=".")) as cluster:
+    with LocalCluster() as cluster:
         for _ in range(workers):
             cluster.start_worker(WorkerConfig(cores=1))
         job = Job(max_fails=None)
