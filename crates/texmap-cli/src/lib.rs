@@ -29,6 +29,12 @@ mod picture;
 mod progress;
 mod values;
 
+/// Names the words that start this program again, for the processes of `texmap batch`; without them they are started from the executable
+/// of this process. A Python package names its interpreter, `-m` and itself. Only the first call counts.
+pub fn started_by(words: Vec<OsString>) {
+    cmd::batch::started_by(words);
+}
+
 /// Runs the program on the arguments of this process and returns its exit code.
 #[must_use]
 pub fn main() -> ExitCode {

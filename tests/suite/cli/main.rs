@@ -2,6 +2,7 @@
 
 #[cfg(unix)]
 mod attack;
+mod batch;
 mod cameras;
 mod demos;
 mod files;

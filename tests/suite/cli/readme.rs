@@ -34,6 +34,8 @@ fn every_link_into_the_repository_leads_somewhere() {
         "docs/ARCHITECTURE.md",
         "docs/CONTRIBUTING.md",
         "docs/GLTF.md",
+        "docs/batch.md",
+        "docs/deploy/README.md",
     ] {
         let path = root().join(page);
         let text = fs::read_to_string(&path).unwrap();

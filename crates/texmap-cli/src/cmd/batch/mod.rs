@@ -17,6 +17,7 @@ pub(crate) mod worker;
 use crate::cmd::batch::args::BatchVerb;
 
 pub(crate) use args::BatchArgs;
+pub(crate) use pool::started_by;
 pub(crate) use run::run;
 
 /// The arguments of a process with the verb that `texmap batch` runs if none is named: `render`.

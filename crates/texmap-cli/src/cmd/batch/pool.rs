@@ -1,10 +1,11 @@
 //! The processes that run the tasks of a batch, one thread of the batch for each.
 
 use std::collections::VecDeque;
+use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, mpsc};
 use std::thread;
 use std::time::Duration;
 
@@ -182,6 +183,14 @@ struct Held {
 
 type Shared = Arc<Mutex<Held>>;
 
+/// The words that start this program, if it is no executable of its own.
+static STARTED_BY: OnceLock<Vec<OsString>> = OnceLock::new();
+
+/// Sets the words that start this program.
+pub(crate) fn started_by(words: Vec<OsString>) {
+    let _ = STARTED_BY.set(words);
+}
+
 static WORKERS: Mutex<Vec<Shared>> = Mutex::new(Vec::new());
 
 #[derive(Debug)]
@@ -195,8 +204,14 @@ impl Worker {
         let failed = |e: io::Error| {
             Failure::internal(format!("a process of the batch could not be started: {e}"))
         };
-        let program = std::env::current_exe().map_err(failed)?;
-        let mut command = Command::new(program);
+        let mut command = match STARTED_BY.get().map(Vec::as_slice) {
+            Some([program, words @ ..]) => {
+                let mut command = Command::new(program);
+                command.args(words);
+                command
+            }
+            _ => Command::new(std::env::current_exe().map_err(failed)?),
+        };
         command.args([
             "batch-worker",
             "--quiet",

@@ -356,7 +356,7 @@ impl Run<'_> {
             failed: count(Status::Failed),
             killed: count(Status::Killed),
             waiting: units - self.records.len() as u64,
-            ms: began.elapsed().as_secs_f64() * 1e3,
+            ms: began.elapsed().as_micros() as f64 / 1e3,
             jobs: means.jobs,
             threads: means.threads,
             exit: exit as u8,

@@ -119,7 +119,7 @@ impl Meter {
     }
 
     fn read(&mut self, outcome: &mut Outcome) {
-        outcome.ms = self.began.elapsed().as_secs_f64() * 1e3;
+        outcome.ms = self.began.elapsed().as_micros() as f64 / 1e3;
         outcome.peak_bytes = memory::peak();
         *self = Self::new();
     }
