@@ -40,6 +40,7 @@ pub(crate) enum Verb {
     Env(cmd::env::EnvArgs),
     Bake(Box<cmd::bake::BakeArgs>),
     Slice(cmd::slice::SliceArgs),
+    Play(cmd::play::PlayArgs),
     Completions(cmd::manual::CompletionsArgs),
     Man(cmd::manual::ManArgs),
 }
@@ -63,7 +64,7 @@ impl Verb {
             Self::Env(a) => a.json,
             Self::Bake(a) => a.json,
             Self::Slice(a) => a.json,
-            Self::Completions(_) | Self::Man(_) => false,
+            Self::Play(_) | Self::Completions(_) | Self::Man(_) => false,
         }
     }
 }

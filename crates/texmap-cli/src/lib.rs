@@ -81,6 +81,7 @@ fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Env(args) => cmd::env::run(&args),
         Verb::Bake(args) => cmd::bake::run(&args),
         Verb::Slice(args) => cmd::slice::run(&args),
+        Verb::Play(args) => cmd::play::run(&args),
         Verb::Completions(args) => cmd::manual::completions(&args),
         Verb::Man(args) => cmd::manual::man(&args),
     }

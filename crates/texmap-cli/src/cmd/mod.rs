@@ -16,6 +16,7 @@ pub(crate) mod hash;
 pub(crate) mod info;
 pub(crate) mod manual;
 pub(crate) mod mip;
+pub(crate) mod play;
 pub(crate) mod render;
 pub(crate) mod sample;
 pub(crate) mod slice;

@@ -12,7 +12,7 @@ use texmap_math::glam::DVec3;
 use texmap_scene::Scene;
 
 pub use bounds::Bounds;
-pub use studio::{light_by_studio, studio};
+pub use studio::{light_as_model, light_by_studio, studio};
 
 /// The axis of a model that points up.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
