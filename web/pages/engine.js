@@ -159,12 +159,22 @@ function reset() {
   changed();
 }
 
+// Controls that another one switches off.
+function match() {
+  for (const { id, when } of page.controls) {
+    if (!when) continue;
+    const element = form.querySelector(`[data-control="${id}"]`);
+    element.disabled = !Object.entries(when).every(([other, wanted]) => [wanted].flat().includes(values[other]));
+  }
+}
+
 // One request at a time; a quick one without its reference while controls move, the whole when they rest.
 let busy = false;
 let pending = null;
 let whole = 0;
 let resting = 0;
 function changed() {
+  match();
   main.dataset.state = 'busy';
   clearTimeout(resting);
   if (whole < 60) return draw(true);
@@ -212,8 +222,8 @@ async function tell(answer, request, all) {
   if (!all) return;
   while (stages.length > answer.panels.length) stages.pop().box.parentElement.remove();
   figures.replaceChildren(...answer.figures.filter((figure) => !['point', 'camera'].includes(figure.unit)).map((figure) => make('tr', {},
-    make('td', {}, figure.name), make('td', { class: 'number' }, `${number(figure.value)} ${figure.unit}`),
-    make('td', { class: 'number soft' }, figure.expected === undefined ? '' : `theory ${number(figure.expected)}`))));
+    make('td', {}, figure.name), make('td', { class: 'number' }, `${number(figure.value)} ${figure.unit}`,
+      ...(figure.expected === undefined ? [] : [make('br', {}), make('small', {}, `theory ${number(figure.expected)}`)])))));
   source.textContent = page.command ? page.command(values, answer) : request.text ? `texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${['interp', 'filter', 'wrap'].map((flag) => (request[flag] ? ` --${flag} ${request[flag]}` : '')).join('')}\n\npage.scene:\n${request.text}` : JSON.stringify(request, null, 1);
   const known = (await hashes)[name];
   answer.panels.forEach((panel, i) => {
@@ -228,4 +238,5 @@ async function tell(answer, request, all) {
 }
 
 main.dataset.state = 'busy';
+match();
 draw(true);

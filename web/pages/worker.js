@@ -56,11 +56,12 @@ const commands = {
   },
   async play({ lab }, { width, height, every }) {
     const walk = lab.room();
+    const frames = walk.frames() + 1;
     const began = performance.now();
     const hash = walk.play(width, height, every);
     const ms = performance.now() - began;
     walk.free();
-    return [{ hash, ms }, []];
+    return [{ hash, ms, frames }, []];
   },
 };
 

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use texmap_io::framing::{Framing, Up, auto_lights, light_by_studio};
+use texmap_io::framing::{Framing, Up, light_as_model};
 use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, IoError, LoadOptions};
-use texmap_scene::{ColorMode, Material, MetallicRoughness, Scene, Shading};
+use texmap_scene::Scene;
 
 /// The files that requests name.
 #[derive(Clone, Debug, Default)]
@@ -67,7 +67,7 @@ impl Files {
         };
         let mut scene = texmap_io::load(path, &options).map_err(|e| words(&e))?;
         if model {
-            light_model(&mut scene, up);
+            light_as_model(&mut scene, up);
         }
         Ok(scene)
     }
@@ -75,36 +75,4 @@ impl Files {
 
 fn words(error: &IoError) -> String {
     format!("{error}\n{}", error.help())
-}
-
-/// A model is metallic-roughness under the neutral studio unless it brings light of its own.
-fn light_model(scene: &mut Scene, up: Up) {
-    if scene.color == ColorMode::Srgb {
-        for material in &mut scene.materials {
-            if material.metallic_roughness.is_none() {
-                material.metallic_roughness = Some(MetallicRoughness::of_classic(material));
-            }
-        }
-    }
-    let around = |m: &Material| m.metallic_roughness.is_some() && m.shading == Shading::PerPixel;
-    if scene.materials.iter().any(around) && scene.effects.environment_light.is_none() {
-        let brought = std::mem::take(&mut scene.lights);
-        light_by_studio(scene, up);
-        // Those of the loader stand in for light from all around.
-        if brought != auto_lights(up) {
-            scene.lights = brought;
-        }
-    }
-    let dark = |m: &Material| match m.shading {
-        Shading::Unlit => false,
-        Shading::PerVertex => true,
-        Shading::PerPixel => m.metallic_roughness.is_none(),
-    };
-    let drawn = scene
-        .meshes
-        .iter()
-        .map(|mesh| &scene.materials[mesh.material]);
-    if scene.lights.is_empty() && drawn.into_iter().any(dark) {
-        scene.lights = auto_lights(up);
-    }
 }

@@ -66,7 +66,8 @@ impl Mapped {
         let figures = report(&mesh, &mapped.set, &options).map_err(|e| e.to_string())?;
         let view: View = self.view.parse().map_err(|_| "unknown view")?;
         let size = self.size.clamp(64, 1024);
-        let drawn = |e: texmap_lab::LabError| e.to_string();
+        // The words of the error would bring every demo of the lab along.
+        let drawn = |_: texmap_lab::LabError| "the model cannot be drawn".to_owned();
         let mut answer = Answer::default();
         let checker = uv_pictures::checker(&mesh, &mapped.set, Origin::TopLeft, view, size);
         answer.picture("a checker of 16 x 16", &checker.map_err(drawn)?);

@@ -119,6 +119,12 @@ impl RoomWalk {
         walk::play(&mut self.room, [width, height], every, false).map(texmap_render::pixel_hash)
     }
 
+    /// Steps of the recorded walk.
+    #[must_use]
+    pub fn frames(&self) -> u32 {
+        walk::RECORDED.iter().map(|(steps, _)| steps).sum()
+    }
+
     /// Hash of the last frame.
     #[must_use]
     pub fn hash(&self) -> String {

@@ -94,11 +94,11 @@ const DOOR: [f64; 4] = [-4.0, -0.4, 1.0, 0.4];
 /// Cows as meshes, then those that are cards.
 const MESHES: usize = 2;
 const COWS: [[f64; 2]; 6] = [
+    [6.0, -7.0],
     [-6.0, 6.0],
-    [8.0, -6.0],
     [-14.0, 14.0],
     [11.0, 6.0],
-    [-14.0, -15.0],
+    [-9.0, -5.0],
     [2.0, 16.0],
 ];
 /// Pictures of the cow from around it.
@@ -155,7 +155,7 @@ impl Room {
         Ok(Self {
             scene,
             frame: None,
-            eye: DVec2::new(-1.5, -14.0),
+            eye: DVec2::new(-1.5, -17.0),
             yaw: std::f64::consts::FRAC_PI_2,
             pitch: 0.0,
             door: 0.0,

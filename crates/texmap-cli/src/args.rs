@@ -66,6 +66,7 @@ pub(crate) enum Verb {
     Shards(cmd::shards::ShardsArgs),
     #[command(hide = true)]
     BatchWorker(cmd::batch::worker::WorkerArgs),
+    Play(cmd::play::PlayArgs),
     Completions(cmd::manual::CompletionsArgs),
     Man(cmd::manual::ManArgs),
 }
@@ -95,7 +96,7 @@ impl Verb {
             Self::Batch(a) => a.json,
             Self::Merge(a) => a.json,
             Self::Shards(a) => a.batch.json,
-            Self::BatchWorker(_) | Self::Completions(_) | Self::Man(_) => false,
+            Self::BatchWorker(_) | Self::Play(_) | Self::Completions(_) | Self::Man(_) => false,
         }
     }
 }

@@ -104,6 +104,7 @@ pub(crate) fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Shards(args) => cmd::shards::run(&args),
         Verb::Merge(args) => cmd::merge::run(&args),
         Verb::BatchWorker(args) => cmd::batch::worker::run(&args),
+        Verb::Play(args) => cmd::play::run(&args),
         Verb::Completions(args) => cmd::manual::completions(&args),
         Verb::Man(args) => cmd::manual::man(&args),
     }

@@ -8,7 +8,7 @@ export default {
   drag: ['yaw', 'pitch'],
   controls: [
     { id: 'method', kind: 'choice', label: 'Method', value: 'bump', options: ['none', 'bump', ['normalmap', 'normal map (of another relief)'], ['displace', 'displacement']] },
-    { id: 'height', kind: 'range', label: 'Height', min: -0.2, max: 0.2, step: 0.005, value: 0.06 },
+    { id: 'height', kind: 'range', label: 'Height', min: -0.2, max: 0.2, step: 0.005, value: 0.06, when: { method: ['bump', 'displace'] } },
     { id: 'light', kind: 'range', label: 'Light around', unit: '°', min: -180, max: 180, step: 1, value: -70 },
     { id: 'low', kind: 'range', label: 'Light above the surface', unit: '°', min: 5, max: 85, step: 1, value: 30 },
     { id: 'yaw', kind: 'range', label: 'Eye around', unit: '°', min: -75, max: 75, step: 1, value: 25 },

@@ -8,7 +8,7 @@ export default {
   drag: ['yaw', 'pitch'],
   controls: [
     { id: 'bias', kind: 'choice', label: 'Bias', value: 'planes', options: [['planes', 'planes of both surfaces (default)'], 'constant', 'slope', 'normal-offset'] },
-    { id: 'amount', kind: 'range', label: 'Amount of the bias', min: 0, max: 0.5, step: 0.005, value: 0 },
+    { id: 'amount', kind: 'range', label: 'Amount of the bias', min: 0, max: 0.5, step: 0.005, value: 0.05, when: { bias: ['constant', 'slope', 'normal-offset'] } },
     { id: 'taps', kind: 'choice', label: 'Taps', value: '3', options: ['1', '3', '5', '9', '15'] },
     { id: 'size', kind: 'choice', label: 'Texels a side', value: '256', options: ['64', '128', '256', '512', '1024'] },
     { id: 'sun', kind: 'range', label: 'Sun around', unit: '°', min: -180, max: 180, step: 1, value: -60 },

@@ -8,8 +8,8 @@ export default {
   formula: 'n parts in space: error ≤ |Δu| (r − 1) / (4 n²)   n parts of the screen: error ≤ |Δu| r (r − 1) / (4 n²), r = z₂/z₁',
   controls: [
     { id: 'method', kind: 'choice', label: 'Method', value: 'subdivided', options: [['subdivided', 'subdivided triangles'], ['span', 'spans of n pixels'], ['within', 'spans within a tolerance']] },
-    { id: 'n', kind: 'range', label: 'n', min: 1, max: 64, step: 1, value: 2 },
-    { id: 'tolerance', kind: 'range', label: 'Tolerance', unit: 'texels', min: 0.05, max: 8, step: 0.05, value: 1 },
+    { id: 'n', kind: 'range', label: 'n', min: 1, max: 64, step: 1, value: 2, when: { method: ['subdivided', 'span'] } },
+    { id: 'tolerance', kind: 'range', label: 'Tolerance', unit: 'texels', min: 0.05, max: 8, step: 0.05, value: 1, when: { method: 'within' } },
     { id: 'tilt', kind: 'range', label: 'Narrow end', min: 0.08, max: 0.9, step: 0.01, value: 0.25 },
   ],
   files: () => ['textures/checker.png'],

@@ -8,7 +8,7 @@ export default {
   drag: ['yaw', 'pitch'],
   controls: [
     { id: 'alpha', kind: 'choice', label: 'Alpha', value: 'test', options: ['test', 'blend', 'opaque'] },
-    { id: 't', kind: 'range', label: 'Threshold t', min: 0.05, max: 1, step: 0.05, value: 0.5 },
+    { id: 't', kind: 'range', label: 'Threshold t', min: 0.05, max: 1, step: 0.05, value: 0.5, when: { alpha: 'test' } },
     filter,
     { id: 'yaw', kind: 'range', label: 'Turn', unit: '°', min: -80, max: 80, step: 1, value: -20 },
     { id: 'pitch', kind: 'range', label: 'Rise', unit: '°', min: 0, max: 40, step: 1, value: 8 },

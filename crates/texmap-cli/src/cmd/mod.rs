@@ -21,6 +21,7 @@ pub(crate) mod info;
 pub(crate) mod manual;
 pub(crate) mod merge;
 pub(crate) mod mip;
+pub(crate) mod play;
 pub(crate) mod render;
 pub(crate) mod sample;
 pub(crate) mod shards;

@@ -13,7 +13,9 @@ use texmap_math::glam::DVec3;
 use texmap_scene::Scene;
 
 pub use bounds::Bounds;
-pub use model_light::{light_model, metallic_surfaces, needs_lights, reads_environment};
+pub use model_light::{
+    light_as_model, light_model, metallic_surfaces, needs_lights, reads_environment,
+};
 pub use studio::{light_by_studio, studio};
 
 /// The axis of a model that points up.

@@ -4,6 +4,20 @@ use texmap_scene::{ColorMode, MetallicRoughness, Scene, Shading};
 
 use super::{Up, auto_lights, light_by_studio};
 
+/// Shades and lights a loaded model as `texmap render` does without flags: its surfaces are metallic-roughness under the neutral studio,
+/// unless it brings light of its own; lights of the loader, which stand in for light from all around, go. In raw colours surfaces
+/// stay as they are.
+pub fn light_as_model(scene: &mut Scene, up: Up) {
+    if scene.color == ColorMode::Srgb {
+        metallic_surfaces(scene);
+    }
+    light_model(scene, up, false);
+    // A model is never dark for want of light.
+    if scene.lights.is_empty() && needs_lights(scene) {
+        scene.lights = auto_lights(up);
+    }
+}
+
 /// Gives every material the metallic-roughness model that has none. Raw colours are no light: leave their scenes as they are.
 pub fn metallic_surfaces(scene: &mut Scene) {
     for material in &mut scene.materials {
@@ -47,4 +61,28 @@ pub fn needs_lights(scene: &Scene) -> bool {
         Shading::PerVertex => true,
         Shading::PerPixel => m.metallic_roughness.is_none() || !around,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_math::Camera;
+    use texmap_scene::{Material, Mesh};
+
+    #[test]
+    fn models_are_lit_by_the_studio_and_raw_ones_by_lights() {
+        let mut model = Scene::new(Camera::look_at([0.0, 0.0, 3.0], [0.0; 3]));
+        model.materials = vec![Material::default()];
+        model.meshes = vec![Mesh::cube()];
+        model.lights = auto_lights(Up::Y);
+        let mut lit = model.clone();
+        light_as_model(&mut lit, Up::Y);
+        assert!(lit.lights.is_empty() && lit.effects.environment_light.is_some());
+        assert!(lit.materials[0].metallic_roughness.is_some());
+        model.color = ColorMode::Raw;
+        model.lights.clear();
+        light_as_model(&mut model, Up::Y);
+        assert!(model.effects.environment_light.is_none());
+        assert_eq!(model.lights, auto_lights(Up::Y));
+    }
 }

@@ -210,10 +210,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
 /// # Errors
 /// Those of `out`; [`io::ErrorKind::InvalidInput`] when `rgba` does not hold `4 * width * height` bytes or a side is zero.
 pub fn encode_png(out: impl io::Write, width: u32, height: u32, rgba: &[u8]) -> io::Result<()> {
-    if width == 0
-        || height == 0
-        || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height)
-    {
+    if width == 0 || height == 0 || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
         let problem = format!("{} bytes for {width} x {height} RGBA pixels", rgba.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
     }
