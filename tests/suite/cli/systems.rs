@@ -238,6 +238,28 @@ fn a_captured_room_is_mirrored() {
     );
 }
 
+/// A flat mesh mirrors the scene where a flag says so.
+#[test]
+fn a_floor_mirrors_the_board_above_it() {
+    let desk = Desk::new();
+    spotted(&desk, "rest.scene", STOPS[1], "");
+    let draw = |more: &str| {
+        desk.texmap(&format!(
+            "render rest.scene -o m.png --resolution 120x90 {more}"
+        ))
+        .ok();
+        desk.picture("m.png")
+    };
+    let plain = draw("");
+    let none = draw("--mirror floor=0");
+    assert!(largest(&plain, &none) <= 1);
+    assert!(largest(&draw("--mirror floor=0.8"), &plain) > 30);
+    desk.refused("render rest.scene -o a.png --mirror ceiling", 2, "floor");
+    desk.refused("render rest.scene -o a.png --mirror floor=7", 2, "0 to 1");
+    desk.texmap("render rest.scene -o s%d.png --resolution 60x45 --mirror floor --turntable 2")
+        .ok();
+}
+
 /// A compressed texture looks like the picture that it was made of, and the program tells by how much it does not.
 #[test]
 fn compressed_textures_are_drawn() {
