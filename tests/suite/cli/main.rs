@@ -22,3 +22,4 @@ mod readme;
 mod render;
 mod report;
 mod sampling;
+mod systems;

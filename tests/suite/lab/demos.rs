@@ -39,6 +39,8 @@ demos! {
     shadows "shadows",
     environments "environments",
     parallax "parallax",
+    best_chart "best-chart",
+    rectification "rectification",
     bumps "bumps",
     light_maps "light-maps",
     displacement "displacement",

@@ -1,6 +1,6 @@
 //! Environments captured from a point of a scene, and mirrors that lead their rays to the walls of a box.
 
-use texmap_bake::{capture_environment, capture_environment_at, center_of};
+use texmap_bake::{capture_environment, capture_environment_at, center_of, with_planar_mirror};
 use texmap_light::{Light, ReflectionBox};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
@@ -241,4 +241,105 @@ fn led_mirrors_are_those_of_the_reference() {
     });
     let error = scene.check().unwrap_err().to_string();
     assert!(error.contains("box of the reflection"), "{error}");
+}
+
+/// A flat mirror shows what mirror rays meet, and nothing that lies behind it.
+#[test]
+fn flat_mirrors_show_what_rays_meet() {
+    let mut scene = room();
+    for material in &mut scene.materials {
+        if let Some(emission) = &mut material.emission {
+            emission.color = emission.color.map(|c| c.min(0.9));
+        }
+    }
+    let black = |reflection| Material {
+        phong: texmap_light::PhongMaterial {
+            color: [0.0; 3],
+            ..Default::default()
+        },
+        reflection,
+        ..Material::default()
+    };
+    scene.materials.push(black(None));
+    scene.camera.eye = DVec3::new(-1.2, 0.3, 1.2);
+    scene.camera.look = DVec3::new(1.0, -0.1, 0.2);
+    scene.camera.lens.center = [0.1, -0.05];
+    // A tilted mirror in the room, and a board that reaches through its plane.
+    let mirror = Mesh {
+        name: "mirror".into(),
+        material: 6,
+        ..Mesh::quad([
+            [0.9, -0.8, 0.9],
+            [1.2, -0.8, -0.6],
+            [1.3, 0.7, -0.6],
+            [1.0, 0.7, 0.9],
+        ])
+    };
+    let board = Mesh {
+        name: "board".into(),
+        material: 2,
+        ..Mesh::quad([
+            [0.2, -0.2, 0.1],
+            [1.9, -0.2, 0.3],
+            [1.9, 0.0, 0.3],
+            [0.2, 0.0, 0.1],
+        ])
+    };
+    scene.meshes.extend([mirror, board]);
+    let size = (96, 72);
+    let mirrored = with_planar_mirror(&scene, 6, 1.0, size).unwrap();
+    assert!(
+        mirrored
+            .check()
+            .unwrap()
+            .iter()
+            .all(|w| !w.contains("texture frame"))
+    );
+    let drawn = render(
+        &mirrored,
+        &RenderSettings::new(size.0, size.1),
+        &no_progress,
+    )
+    .unwrap();
+    // The reference: the same mesh as a mirror of an environment, traced.
+    let sky = capture_environment_at(&scene, DVec3::ZERO, &[], 4).unwrap();
+    scene.effects.environments.push(sky);
+    scene.materials[6] = black(Some(Reflection {
+        environment: 0,
+        reflectivity: 1.0,
+        within: None,
+    }));
+    let truth = frame_by_rays(&scene, size.0, size.1, 1).unwrap();
+    let codes = truth.codes();
+    let (mut mirror_pixels, mut off) = (0, 0);
+    for (i, seen) in truth.seen.iter().enumerate() {
+        if seen.is_some_and(|(mesh, _)| mesh == 6) {
+            mirror_pixels += 1;
+            off += usize::from(
+                (0..3).any(|k| (f64::from(drawn.rgba[4 * i + k]) - codes[4 * i + k]).abs() > 4.0),
+            );
+        }
+    }
+    // Pixels at the edges of walls, where half a pixel decides.
+    assert!(
+        mirror_pixels > 800 && off * 25 < mirror_pixels,
+        "{off} of {mirror_pixels}"
+    );
+    // The side from which it is seen does not matter; a bent mesh and one with textures are refused.
+    let bent = {
+        let mut scene = scene.clone();
+        scene.materials[6] = black(None);
+        scene.meshes[6].positions[2][0] += 0.3;
+        with_planar_mirror(&scene, 6, 1.0, size)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(bent.contains("not flat"), "{bent}");
+    assert!(
+        with_planar_mirror(&scene, 0, 1.0, size)
+            .unwrap_err()
+            .to_string()
+            .contains("emission")
+    );
+    assert!(with_planar_mirror(&scene, 9, 1.0, size).is_err());
 }

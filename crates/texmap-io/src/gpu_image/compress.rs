@@ -66,7 +66,13 @@ pub fn compress(
         let Some((width, height)) = texture.level_size(level) else {
             break;
         };
-        let codes = level_codes(texture, level, compression.color);
+        let mut codes = level_codes(texture, level, compression.color);
+        if compression.format == BlockFormat::Bc4 {
+            // The encoder takes the mean of the three.
+            for [r, g, b, a] in codes.as_chunks_mut::<4>().0 {
+                (*g, *b, *a) = (*r, *r, 255);
+            }
+        }
         let size = Size::new(width, height);
         let view = ImageView::new(&codes, size, ColorFormat::RGBA_U8)
             .ok_or_else(|| std::io::Error::other("a level of another size"))?;

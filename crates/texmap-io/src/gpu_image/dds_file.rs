@@ -19,9 +19,16 @@ pub(super) fn stated_size(bytes: &[u8]) -> Option<(u32, u32)> {
 }
 
 pub(super) fn open(bytes: &[u8]) -> Result<GpuImage<'_>, String> {
-    let options = ParseOptions::new_permissive(Some(bytes.len() as u64));
     let mut reader = Cursor::new(bytes);
-    let header = Header::read(&mut reader, &options).map_err(|e| e.to_string())?;
+    let header = match Header::read(&mut reader, &ParseOptions::default()) {
+        Ok(header) => header,
+        Err(_) => {
+            // Heads of old programs have wrong numbers; the length of the file tells the right ones.
+            reader.set_position(0);
+            let options = ParseOptions::new_permissive(Some(bytes.len() as u64));
+            Header::read(&mut reader, &options).map_err(|e| e.to_string())?
+        }
+    };
     let format = Format::from_header(&header).map_err(|e| e.to_string())?;
     let layout = DataLayout::from_header_with(&header, format.into()).map_err(|e| e.to_string())?;
     let Some(texture) = layout.texture() else {

@@ -39,7 +39,7 @@ enum Content<'a> {
 
 /// True for the first bytes of a DDS or KTX2 file.
 pub(crate) fn is_one(bytes: &[u8]) -> bool {
-    bytes.starts_with(dds_file::MAGIC) || bytes.starts_with(&ktx2::MAGIC)
+    bytes.starts_with(dds_file::MAGIC) || bytes.starts_with(ktx2_file::MAGIC)
 }
 
 /// Width and height that such a file states.

@@ -22,6 +22,7 @@ macro_rules! panels {
 
 mod affine;
 mod antialiasing;
+mod best_chart;
 mod bump_maps;
 mod cards;
 mod classics;
@@ -36,6 +37,7 @@ mod paint;
 mod parallax;
 mod procedural_bump;
 mod projections;
+mod rectification;
 mod shadows;
 mod sheet;
 mod skin;
@@ -60,7 +62,7 @@ pub const DEFAULT_SIZE: u32 = 384;
 
 type Draw = fn(u32) -> Result<DemoPicture, LabError>;
 
-const DEMOS: [(&str, &str, Draw); 24] = [
+const DEMOS: [(&str, &str, Draw); 26] = [
     (
         "affine-image",
         "a photo on cubes, screen-linear against perspective",
@@ -125,6 +127,16 @@ const DEMOS: [(&str, &str, Draw); 24] = [
         "parallax",
         "a mirror away from the point of capture: infinitely far, led to the walls of a box, by rays",
         parallax::parallax,
+    ),
+    (
+        "best-chart",
+        "the sphere of directions unfolded in six layouts, and the solid angles of their texels",
+        best_chart::best_chart,
+    ),
+    (
+        "rectification",
+        "a photo of a plane as its texture, by a homography of four points and by weights of the corners",
+        rectification::rectification,
     ),
     (
         "bumps",

@@ -59,6 +59,16 @@ impl Scene {
         }
     }
 
+    /// True if the texture frame of a mesh lies in the plane of the picture, as those of mirrors do: it belongs to this camera.
+    fn has_frame_of_picture(&self, mesh: &Mesh) -> bool {
+        let Some(frame) = mesh.texture_frame else {
+            return false;
+        };
+        let normal = frame.transform(mesh.world_from_object).normal();
+        let forward = (self.camera.look - self.camera.eye).normalize_or_zero();
+        normal.normalize_or_zero().cross(forward).length() < FLAT
+    }
+
     /// Error if a parallel projection shows parts that are looked up along rays from one eye.
     fn check_projection(&self) -> Result<(), SceneError> {
         if self.camera.lens.parallel_width.is_none() {
@@ -217,7 +227,8 @@ impl Scene {
                 material: material.name.clone(),
             });
         }
-        if let Some(angle) = mesh.frame_tilt().filter(|angle| *angle > FLAT) {
+        let tilt = mesh.frame_tilt().filter(|angle| *angle > FLAT);
+        if let Some(angle) = tilt.filter(|_| !self.has_frame_of_picture(mesh)) {
             warnings.push(format!(
                 "mesh '{}': its texture frame leaves the plane of the polygon by {:.3} degrees; the texture will swim as the eye moves",
                 mesh.name,

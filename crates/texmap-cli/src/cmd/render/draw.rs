@@ -262,7 +262,8 @@ impl Context<'_> {
         let progress = Progress::new(label);
         let size = self.args.resolution;
         let shaped = texmap_mesh::tessellate(scene, size.width).map_err(|e| self.refused(e))?;
-        let scene = shaped.as_ref();
+        let mirrored = self.mirrored(shaped.as_ref())?;
+        let scene = mirrored.as_ref().unwrap_or(shaped.as_ref());
         let choices = match self.args.budget() {
             None => None,
             Some(budget) => {

@@ -13,6 +13,7 @@ use crate::cmd::render::camera::CameraArgs;
 use crate::cmd::render::inputs::Inputs;
 use crate::cmd::render::light::LightArgs;
 use crate::cmd::render::look::LookArgs;
+use crate::cmd::render::mirror::MirrorArg;
 use crate::cmd::render::rays::Compare;
 use crate::cmd::render::report::{ItemReport, Report};
 use crate::failure::{self, Exit, Failure};
@@ -26,6 +27,7 @@ mod files;
 pub(crate) mod inputs;
 mod light;
 mod look;
+mod mirror;
 pub(crate) mod plan;
 mod rays;
 mod report;
@@ -77,6 +79,10 @@ pub(crate) struct RenderArgs {
     /// and of the edges of shadows; room.png gives room.heat.png. Exit code 1 where it is over a budget that the plan promised
     #[arg(long, conflicts_with_all = ["views", "supersample", "dry_run", "wireframe"])]
     verify: bool,
+    /// A flat mesh that mirrors the scene: its name, and the share of light that it mirrors (0 to 1). Several times for several; each shows the
+    /// others as they are without
+    #[arg(long, value_name = "NAME[=SHARE]", conflicts_with_all = ["verify", "compare", "max_error", "quality"])]
+    mirror: Vec<MirrorArg>,
     /// Draw the picture with ray-traced mirrors too (slow; room.png gives room.rays.png) and tell the error of mapped reflections by the
     /// distance from the middle of each mirror
     #[arg(long, value_name = "WHAT", conflicts_with_all = ["views", "dry_run", "wireframe"])]
