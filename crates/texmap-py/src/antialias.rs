@@ -2,15 +2,52 @@
 //! Rendering", section 3.5): pixels on both sides of a silhouette edge are blended by the place where it crosses the line between
 //! their centres.
 
-use std::collections::HashMap;
-
-use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 
 use crate::rasterize::{Range, decode};
 use crate::support::{expect_length, value};
 
-/// Blends `color` of a batch into `out`.
+/// Beyond an edge of one triangle.
+const NOTHING: u32 = u32::MAX;
+
+/// Beyond an edge of more than two triangles: a silhouette from every side.
+const MANY: u32 = u32::MAX - 1;
+
+/// For each corner of each triangle the vertex beyond the opposite edge, [`NOTHING`] or [`MANY`]. Three values a triangle.
+#[pyfunction]
+pub(crate) fn topology<'py>(
+    py: Python<'py>,
+    tri: PyReadonlyArray1<'py, u32>,
+) -> PyResult<Bound<'py, PyArray1<u32>>> {
+    let tri = tri.as_slice()?.as_chunks::<3>().0;
+    let found = py.detach(|| {
+        let mut edges: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * tri.len());
+        for (k, corners) in tri.iter().enumerate() {
+            for c in 0..3 {
+                let (p, q) = (corners[(c + 1) % 3], corners[(c + 2) % 3]);
+                edges.push(([p.min(q), p.max(q)], (3 * k + c) as u32));
+            }
+        }
+        edges.sort_unstable();
+        let mut beyond = vec![NOTHING; edges.len()];
+        let third = |corner: u32| tri[corner as usize / 3][corner as usize % 3];
+        for equal in edges.chunk_by(|a, b| a.0 == b.0) {
+            match equal {
+                [_] => {}
+                &[(_, a), (_, b)] => {
+                    beyond[a as usize] = third(b);
+                    beyond[b as usize] = third(a);
+                }
+                more => more.iter().for_each(|(_, a)| beyond[*a as usize] = MANY),
+            }
+        }
+        beyond
+    });
+    Ok(PyArray1::from_vec(py, found))
+}
+
+/// Blends `color` of a batch into `out`; `beyond` comes from [`topology`].
 #[pyfunction]
 pub(crate) fn antialias(
     py: Python<'_>,
@@ -18,6 +55,7 @@ pub(crate) fn antialias(
     rast: PyReadonlyArray1<'_, f32>,
     pos: PyReadonlyArray1<'_, f32>,
     tri: PyReadonlyArray1<'_, u32>,
+    beyond: PyReadonlyArray1<'_, u32>,
     ranges: Vec<Range>,
     size: (usize, usize),
     channels: usize,
@@ -28,22 +66,22 @@ pub(crate) fn antialias(
         pos.as_slice()?.as_chunks::<4>().0,
         tri.as_slice()?.as_chunks::<3>().0,
     );
+    let beyond = beyond.as_slice()?.as_chunks::<3>().0;
     let out = out.as_slice_mut()?;
     let picture = size.0 * size.1;
     expect_length("rast", rast.len(), picture * ranges.len())?;
     expect_length("color", color.len(), rast.len() * channels)?;
     expect_length("out", out.len(), color.len())?;
+    expect_length("topology_hash", beyond.len(), tri.len())?;
     py.detach(|| {
         out.copy_from_slice(color);
-        let edges = opposite_vertices(tri);
         for (k, range) in ranges.iter().enumerate() {
             let of = |values: usize| k * picture * values..(k + 1) * picture * values;
+            let screen = on_screen(&pos[range.0..range.0 + range.1], size);
             let scene = Pictured {
                 rast: &rast[of(1)],
                 color: &color[of(channels)],
-                pos: &pos[range.0..range.0 + range.1],
-                tri,
-                edges: &edges,
+                edges: silhouettes(tri, beyond, &screen)?,
                 size,
                 channels,
             };
@@ -53,32 +91,53 @@ pub(crate) fn antialias(
     })
 }
 
-/// For each edge (its vertices in ascending order) the third vertices of its first two triangles; more are no manifold and count as
-/// a silhouette.
-type Edges = HashMap<(u32, u32), (u32, Option<u32>, bool)>;
+/// A vertex in pixels from the lower left corner; `None` behind the eye.
+type Screen = Option<[f64; 2]>;
 
-fn opposite_vertices(tri: &[[u32; 3]]) -> Edges {
-    let mut edges = Edges::with_capacity(tri.len() * 2);
-    for &[a, b, c] in tri {
-        for (p, q, third) in [(a, b, c), (b, c, a), (c, a, b)] {
-            edges
-                .entry((p.min(q), p.max(q)))
-                .and_modify(|(_, second, more)| match second {
-                    None => *second = Some(third),
-                    Some(_) => *more = true,
-                })
-                .or_insert((third, None, false));
+fn on_screen(pos: &[[f32; 4]], (width, height): (usize, usize)) -> Vec<Screen> {
+    let place = |p: &[f32; 4]| {
+        let [x, y, _, w] = p.map(f64::from);
+        let (width, height) = (width as f64, height as f64);
+        (w > 0.0).then(|| [(x / w + 1.0) * 0.5 * width, (y / w + 1.0) * 0.5 * height])
+    };
+    pos.iter().map(place).collect()
+}
+
+/// The ends of the edges of each triangle that are silhouettes: those of one triangle, of many, or of two on the same side.
+type Silhouettes = Vec<[Option<[[f64; 2]; 2]>; 3]>;
+
+fn silhouettes(tri: &[[u32; 3]], beyond: &[[u32; 3]], screen: &[Screen]) -> PyResult<Silhouettes> {
+    let at = |vertex: u32| {
+        let found = screen.get(vertex as usize).copied();
+        found.ok_or_else(|| {
+            value(format!(
+                "tri names vertex {vertex}, there are {}",
+                screen.len()
+            ))
+        })
+    };
+    let mut all = vec![[None; 3]; tri.len()];
+    for ((corners, beyond), out) in tri.iter().zip(beyond).zip(&mut all) {
+        let places = [at(corners[0])?, at(corners[1])?, at(corners[2])?];
+        let [Some(a), Some(b), Some(c)] = places else {
+            continue;
+        };
+        for (k, (own, p, q)) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
+            let side = |r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+            let is_one = match beyond[k] {
+                NOTHING | MANY => true,
+                other => at(other)?.is_some_and(|other| (side(own) > 0.0) == (side(other) > 0.0)),
+            };
+            out[k] = is_one.then_some([p, q]);
         }
     }
-    edges
+    Ok(all)
 }
 
 struct Pictured<'a> {
     rast: &'a [[f32; 4]],
     color: &'a [f32],
-    pos: &'a [[f32; 4]],
-    tri: &'a [[u32; 3]],
-    edges: &'a Edges,
+    edges: Silhouettes,
     size: (usize, usize),
     channels: usize,
 }
@@ -89,46 +148,39 @@ impl Pictured<'_> {
         for y in 0..height {
             for x in 0..width {
                 let at = y * width + x;
-                if x + 1 < width {
-                    self.pair(at, at + 1, [x, y], false, out)?;
+                if x + 1 < width && self.rast[at][3] != self.rast[at + 1][3] {
+                    self.pair(at, at + 1, [x, y], 0, out)?;
                 }
-                if y + 1 < height {
-                    self.pair(at, at + width, [x, y], true, out)?;
+                if y + 1 < height && self.rast[at][3] != self.rast[at + width][3] {
+                    self.pair(at, at + width, [x, y], 1, out)?;
                 }
             }
         }
         Ok(())
     }
 
-    /// Two neighbours, the second to the right of the first or above it.
+    /// Two neighbours of different triangles, the second to the right of the first (`axis` 0) or above it (1).
     fn pair(
         &self,
         a: usize,
         b: usize,
         at: [usize; 2],
-        above: bool,
+        axis: usize,
         out: &mut [f32],
     ) -> PyResult<()> {
         let (first, second) = (self.rast[a], self.rast[b]);
-        let ids = (decode(first[3]), decode(second[3]));
-        if ids.0 == ids.1 {
-            return Ok(());
-        }
         // The nearer of the two owns the edge.
-        let nearer_is_first = match ids {
-            (Some(_), Some(_)) => first[2] < second[2],
-            (first, _) => first.is_some(),
+        let (near, far, triangle) = match (decode(first[3]), decode(second[3])) {
+            (Some(_), Some(two)) if first[2] >= second[2] => (b, a, two),
+            (Some(one), _) => (a, b, one),
+            (None, Some(two)) => (b, a, two),
+            (None, None) => return Ok(()),
         };
-        let triangle = if nearer_is_first { ids.0 } else { ids.1 };
-        let Some(triangle) = triangle else {
-            return Ok(());
-        };
-        let (near, far) = if nearer_is_first { (a, b) } else { (b, a) };
         let mut center = at.map(|c| c as f64 + 0.5);
-        let axis = usize::from(above);
-        let step = if nearer_is_first { 1.0 } else { -1.0 };
-        if !nearer_is_first {
+        let mut step = 1.0;
+        if near == b {
             center[axis] += 1.0;
+            step = -1.0;
         }
         let Some(crossing) = self.crossing(triangle, center, axis, step)? else {
             return Ok(());
@@ -153,72 +205,27 @@ impl Pictured<'_> {
         axis: usize,
         step: f64,
     ) -> PyResult<Option<f64>> {
-        let tri = self.tri.get(triangle);
-        let &[a, b, c] = tri.ok_or_else(|| {
+        let edges = self.edges.get(triangle);
+        let edges = edges.ok_or_else(|| {
             value(format!(
                 "rast names triangle {triangle}, tri holds {}",
-                self.tri.len()
+                self.edges.len()
             ))
         })?;
+        let cross = 1 - axis;
         let mut nearest = None;
-        for (p, q, third) in [(a, b, c), (b, c, a), (c, a, b)] {
-            let (Some(p2), Some(q2), Some(third)) =
-                (self.screen(p)?, self.screen(q)?, self.screen(third)?)
-            else {
-                continue;
-            };
-            if !self.is_silhouette((p, q), p2, q2, third)? {
-                continue;
-            }
-            let cross = 1 - axis;
-            let (from, to) = (p2[cross] - center[cross], q2[cross] - center[cross]);
+        for [p, q] in edges.iter().flatten() {
+            let (from, to) = (p[cross] - center[cross], q[cross] - center[cross]);
             // Half open, so that one of two edges at a vertex counts.
             if (from > 0.0) == (to > 0.0) {
                 continue;
             }
-            let along = p2[axis] + (q2[axis] - p2[axis]) * (from / (from - to));
+            let along = p[axis] + (q[axis] - p[axis]) * (from / (from - to));
             let place = (along - center[axis]) * step;
             if (0.0..=1.0).contains(&place) && nearest.is_none_or(|found| place < found) {
                 nearest = Some(place);
             }
         }
         Ok(nearest)
-    }
-
-    /// True unless the triangles of an edge lie on both sides of it.
-    fn is_silhouette(
-        &self,
-        (p, q): (u32, u32),
-        p2: [f64; 2],
-        q2: [f64; 2],
-        own: [f64; 2],
-    ) -> PyResult<bool> {
-        let Some(&(first, second, more)) = self.edges.get(&(p.min(q), p.max(q))) else {
-            return Ok(true);
-        };
-        let (Some(second), false) = (second, more) else {
-            return Ok(true);
-        };
-        let side =
-            |r: [f64; 2]| (q2[0] - p2[0]) * (r[1] - p2[1]) - (q2[1] - p2[1]) * (r[0] - p2[0]);
-        let (Some(first), Some(second)) = (self.screen(first)?, self.screen(second)?) else {
-            return Ok(false);
-        };
-        let other = if first == own { second } else { first };
-        Ok((side(own) > 0.0) == (side(other) > 0.0))
-    }
-
-    /// A vertex in pixels from the lower left corner; `None` behind the eye.
-    fn screen(&self, vertex: u32) -> PyResult<Option<[f64; 2]>> {
-        let p = self.pos.get(vertex as usize);
-        let p = p.ok_or_else(|| {
-            value(format!(
-                "tri names vertex {vertex}, there are {}",
-                self.pos.len()
-            ))
-        })?;
-        let [x, y, _, w] = p.map(f64::from);
-        let (width, height) = (self.size.0 as f64, self.size.1 as f64);
-        Ok((w > 0.0).then(|| [(x / w + 1.0) * 0.5 * width, (y / w + 1.0) * 0.5 * height]))
     }
 }

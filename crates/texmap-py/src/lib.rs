@@ -36,6 +36,7 @@ fn _texmap(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(attributes::interpolate, m)?)?;
     m.add_function(wrap_pyfunction!(attributes::interpolate_gradient, m)?)?;
     m.add_function(wrap_pyfunction!(texel_gradient::texture_gradient, m)?)?;
+    m.add_function(wrap_pyfunction!(antialias::topology, m)?)?;
     m.add_function(wrap_pyfunction!(antialias::antialias, m)?)?;
     m.add_function(wrap_pyfunction!(image::warp, m)?)?;
     m.add_function(wrap_pyfunction!(image::read_image, m)?)?;

@@ -265,10 +265,11 @@ impl Band<'_> {
                             *slot = (id, Planes::new(scene, binned.source(id).1 as usize));
                         }
                         let px = (columns.start + x) as f64 + 0.5;
-                        slot.1.fill([px, py], &mut self.rast[run.clone()]);
-                        if !self.db.is_empty() {
-                            slot.1.fill_derivatives([px, py], &mut self.db[run]);
-                        }
+                        let db = match self.db.is_empty() {
+                            true => &mut [],
+                            false => &mut self.db[run.clone()],
+                        };
+                        slot.1.fill([px, py], &mut self.rast[run], db);
                     }
                     x += count;
                 }
@@ -339,39 +340,36 @@ impl Planes {
         [a * px + (b * py + c), a]
     }
 
-    /// u, v, z/w and the id of pixels from (px, py) to the right. Weights end at 0 and 1: a pixel may lie outside of the exact
-    /// triangle by the 1/256 pixel that its vertices are snapped to.
+    /// u, v, z/w and the id of pixels from `at` to the right, and du/dX, du/dY, dv/dX and dv/dY where `db` is not empty. Weights end at 0
+    /// and 1: a pixel may lie outside of the exact triangle by the 1/256 pixel that its vertices are snapped to.
     #[inline(always)]
-    fn fill(&self, at: [f64; 2], out: &mut [[f32; 4]]) {
-        let [u, v, s, z] =
-            [self.edges[0], self.edges[1], self.sum, self.depth].map(|p| Self::row(p, at));
-        for (k, out) in out.iter_mut().enumerate() {
-            let k = k as f64;
-            let inv = 1.0 / (s[0] + k * s[1]);
-            let (u, v) = ((u[0] + k * u[1]) * inv, (v[0] + k * v[1]) * inv);
-            let (u, v) = (bounded(u), bounded(v));
-            let over = u + v;
-            let (u, v) = if over > 1.0 {
-                (u / over, v / over)
-            } else {
-                (u, v)
-            };
-            *out = [u as f32, v as f32, (z[0] + k * z[1]) as f32, self.id];
-        }
-    }
-
-    /// du/dX, du/dY, dv/dX and dv/dY of the same pixels.
-    #[inline(always)]
-    fn fill_derivatives(&self, at: [f64; 2], out: &mut [[f32; 4]]) {
-        let [u, v, s] = [self.edges[0], self.edges[1], self.sum].map(|p| Self::row(p, at));
+    fn fill(&self, at: [f64; 2], out: &mut [[f32; 4]], db: &mut [[f32; 4]]) {
+        let planes = [self.edges[0], self.edges[1], self.sum, self.depth];
+        let [[mut u, du], [mut v, dv], [mut s, ds], [mut z, dz]] = planes.map(|p| Self::row(p, at));
         let [[ux, uy, _], [vx, vy, _]] = self.edges;
         let [sx, sy, _] = self.sum;
-        for (k, out) in out.iter_mut().enumerate() {
-            let k = k as f64;
-            let inv = 1.0 / (s[0] + k * s[1]);
-            let (u, v) = ((u[0] + k * u[1]) * inv, (v[0] + k * v[1]) * inv);
-            let of = |a: f64, value: f64, b: f64| ((a - value * b) * inv) as f32;
-            *out = [of(ux, u, sx), of(uy, u, sy), of(vx, v, sx), of(vy, v, sy)];
+        let mut db = db.iter_mut();
+        for out in out {
+            let inv = 1.0 / s;
+            let (b0, b1) = (u * inv, v * inv);
+            if let Some(db) = db.next() {
+                let of = |a: f64, value: f64, b: f64| ((a - value * b) * inv) as f32;
+                *db = [
+                    of(ux, b0, sx),
+                    of(uy, b0, sy),
+                    of(vx, b1, sx),
+                    of(vy, b1, sy),
+                ];
+            }
+            let (b0, b1) = (bounded(b0), bounded(b1));
+            let over = b0 + b1;
+            let (b0, b1) = if over > 1.0 {
+                (b0 / over, b1 / over)
+            } else {
+                (b0, b1)
+            };
+            *out = [b0 as f32, b1 as f32, z as f32, self.id];
+            (u, v, s, z) = (u + du, v + dv, s + ds, z + dz);
         }
     }
 }

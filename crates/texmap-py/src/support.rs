@@ -63,6 +63,7 @@ pub(crate) fn level(name: Option<&str>) -> PyResult<Level> {
         "sse4.2" => best.as_sse4_2().map(Level::Sse4_2),
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         "sse2" => best.as_sse2().map(Level::Sse2),
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         "avx512" | "avx2" | "sse4.2" | "sse2" => None,
         other => {
             return Err(value(format!(

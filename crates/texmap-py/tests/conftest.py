@@ -24,7 +24,7 @@ def program():
     def run(*arguments, code=0):
         done = subprocess.run([sys.executable, "-m", "texmap", *map(str, arguments)], capture_output=True, text=True)
         assert done.returncode == code, done.stderr
-        return done.stdout if code == 0 else done.stderr
+        return done.stdout
 
     return run
 

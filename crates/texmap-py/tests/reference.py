@@ -18,7 +18,8 @@ def rasterize(pos, tri, height, width):
         w = clip[:, 3]
         screen = (clip[:, :2] / w[:, None] + 1) * 0.5 * [width, height]
         depth = clip[:, 2] / w
-        area = np.cross(screen[1] - screen[0], screen[2] - screen[0])
+        (ax, ay), (bx, by) = screen[1] - screen[0], screen[2] - screen[0]
+        area = ax * by - ay * bx
         if area == 0:
             continue
         planes = []
@@ -48,7 +49,7 @@ def rasterize(pos, tri, height, width):
 def texture(tex, uv, mode, boundary, lod=None):
     """Look-ups in (H, W, C) at (n, 2), row 0 at v = 0, with levels of detail (n,)."""
     levels = [np.asarray(tex, np.float64)]
-    while max(levels[-1].shape[:2]) > 1:
+    while "mipmap" in mode and max(levels[-1].shape[:2]) > 1:
         t = levels[-1]
         t = (t[0::2] + t[1::2]) / 2 if t.shape[0] > 1 else t
         levels.append((t[:, 0::2] + t[:, 1::2]) / 2 if t.shape[1] > 1 else t)

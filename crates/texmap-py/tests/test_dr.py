@@ -29,7 +29,9 @@ def test_rasterize_is_the_f64_reference(rng, w_ratio):
         assert clear.mean() > 0.9
         assert np.array_equal(rast[0, ..., 3][clear], expected[..., 3][clear])
         seen = clear & (expected[..., 3] > 0)
-        areas = np.abs(np.cross(*[((pos[tri[:, k], :2] / pos[tri[:, k], 3:]) - (pos[tri[:, 0], :2] / pos[tri[:, 0], 3:])) for k in (1, 2)]))
+        screen = pos[tri, :2] / pos[tri, 3:]
+        (ax, ay), (bx, by) = (screen[:, k].T - screen[:, 0].T for k in (1, 2))
+        areas = np.abs(ax * by - ay * bx)
         large = areas * width * height / 8 >= 1.0
         seen &= large[np.clip(expected[..., 3].astype(int) - 1, 0, None)]
         assert seen.sum() > 1000
@@ -77,8 +79,6 @@ def test_ranges_count_triangles_of_the_whole_list(rng):
 
 
 def test_ids_beyond_24_bits():
-    from texmap import _texmap  # noqa: F401
-
     # One triangle of 16,777,300, drawn by a range of one.
     pos = np.array([[-1, -1, 0, 1], [3, -1, 0, 1], [-1, 3, 0, 1]], np.float32)
     number = (1 << 24) + 77

@@ -113,8 +113,8 @@ def test_warp_is_that_of_the_program(program, tmp_path, assets, rng):
     image = rng.integers(0, 255, (40, 60, 3), dtype=np.uint8)
     texmap._picture.write_png(tmp_path / "in.png", image)
     corners = [(5, 4), (55, 8), (50, 36), (8, 30)]
-    flags = [word for x, y in corners for word in ("--from", f"{x},{y}")]
-    program("warp", tmp_path / "in.png", *flags, "--size", "80x50", "-o", tmp_path / "out.png")
+    points = [f"{x},{y}" for x, y in corners]
+    program("warp", tmp_path / "in.png", "--from", *points, "--size", "80x50", "-o", tmp_path / "out.png")
     found = texmap.warp(image, source=corners, size=(80, 50))
     assert found.shape == (50, 80, 4)
     assert program("hash", tmp_path / "out.png").split()[0] == texmap.pixel_hash(found)
@@ -141,10 +141,12 @@ def test_diff_has_the_figures_of_the_program(program, tmp_path, rng):
     two[3, 5, 1] ^= 64
     for name, image in (("a", one), ("b", two)):
         texmap._picture.write_png(tmp_path / f"{name}.png", image)
-    report = json.loads(program("diff", tmp_path / "a.png", tmp_path / "b.png", "--json", code=0 if False else 0)) if False else None
+    report = json.loads(program("diff", tmp_path / "a.png", tmp_path / "b.png", "--json", code=1))
     found = texmap.diff(one, two)
     assert found["max"] == pytest.approx(64 / 255) and found["max_at"] == (5, 3, 1) and not found["passes"]
-    assert report is None and texmap.diff(one, one)["passes"] and texmap.diff(one, two, limit=0.3)["passes"]
+    for name in ("mean", "rms", "p999", "max", "psnr", "ssim"):
+        assert found[name] == report[name]
+    assert texmap.diff(one, one)["passes"] and texmap.diff(one, two, limit=0.3)["passes"]
     floats = rng.normal(size=(9, 11)).astype(np.float32)
     assert texmap.diff(floats, floats + 1)["mean"] == pytest.approx(1, abs=1e-6)
     with pytest.raises(ValueError, match="differ"):

@@ -14,13 +14,14 @@ are read in place, others are copied once.
 
 from ._image import diff, homography, perspective_interpolate, warp
 from ._light import bake, env
-from ._scene import Camera, Frame, Light, Material, Mesh, Poses, Scene, TexmapWarning, load, pixel_hash, render
+from ._picture import write_png
+from ._scene import Camera, Frame, Light, Material, Mesh, Poses, Scene, TexmapWarning, load, look_at, pixel_hash, project, render
 from ._texmap import __version__
 from ._texture import Texture, sample
 from ._uv import Unwrapped, UvReport, tangents, unwrap, uv_map, uv_raster, uv_report
 
 __all__ = [
     "Camera", "Frame", "Light", "Material", "Mesh", "Poses", "Scene", "TexmapWarning", "Texture", "Unwrapped", "UvReport",
-    "__version__", "bake", "diff", "env", "homography", "load", "perspective_interpolate", "pixel_hash", "render", "sample",
-    "tangents", "unwrap", "uv_map", "uv_raster", "uv_report", "warp",
+    "__version__", "bake", "diff", "env", "homography", "load", "look_at", "perspective_interpolate", "pixel_hash", "project", "render",
+    "sample", "tangents", "unwrap", "uv_map", "uv_raster", "uv_report", "warp", "write_png",
 ]  # fmt: skip

@@ -37,7 +37,11 @@ def srgb_bytes(linear: np.ndarray) -> np.ndarray:
 
 
 def write_png(path: Any, image: np.ndarray) -> None:
-    """Writes a PNG under a temporary name and renames it, so that no half-written file is left."""
+    """Writes an array (height, width[, 1 to 4 channels]) of uint8 as PNG, under a temporary name that is renamed: no half-written file
+    is left. Raises ValueError for other arrays, OSError where it cannot be written."""
+    image = np.asarray(image)
+    if image.dtype != np.uint8 or image.ndim not in (2, 3) or 0 in image.shape or (image.ndim == 3 and image.shape[2] > 4):
+        raise ValueError(f"image: expected (height, width[, 1 to 4 channels]) of uint8, got {image.shape} of {image.dtype}")
     folder = os.path.dirname(os.path.abspath(os.fspath(path)))
     handle, name = tempfile.mkstemp(suffix=".png", dir=folder)
     try:

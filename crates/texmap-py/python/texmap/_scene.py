@@ -136,6 +136,61 @@ class Poses:
         return (pose.reshape(-1), lens, self.axes, self.world_to_camera, fov), batch
 
 
+def look_at(eye: Vector, target: Vector = (0.0, 0.0, 0.0), up: Vector = (0.0, 1.0, 0.0), axes: str = "opencv") -> np.ndarray:
+    """The (4, 4) float64 pose, camera to world, of a camera at ``eye`` that looks at ``target``. Raises ValueError where they are one
+    point, or ``up`` is parallel to the line of sight."""
+    eye, target, up = (np.asarray(_vector(v, name)) for v, name in ((eye, "eye"), (target, "target"), (up, "up")))
+    forward = target - eye
+    right = np.cross(forward, up)
+    if not np.linalg.norm(right) > 1e-9 * np.linalg.norm(forward) * np.linalg.norm(up):
+        raise ValueError(f"look_at: no view from {eye.tolist()} to {target.tolist()} with up {up.tolist()}")
+    forward, right = forward / np.linalg.norm(forward), right / np.linalg.norm(right)
+    if axes not in ("opencv", "opengl"):
+        raise ValueError(f"axes={axes!r}: know opengl, opencv")
+    down = np.cross(forward, right)
+    columns = (right, down, forward, eye) if axes == "opencv" else (right, -down, -forward, eye)
+    pose = np.eye(4)
+    pose[:3] = np.stack(columns, axis=1)
+    return pose
+
+
+def project(points: Any, camera: Poses, size: Any) -> Tuple[np.ndarray, np.ndarray]:
+    """Where a calibrated camera sees points of the world.
+
+    points (..., 3); camera: :class:`Poses` of one pose with ``K`` or ``fov``; size (width, height) of the picture.
+
+    Returns uv (..., 2) float32, texture coordinates in the picture (v = 0 at its bottom row, as :func:`texmap.sample` reads it), and w (...)
+    float32, distances along the line of sight, the inverse of the AOV inv_w. Points that are not before the camera have uv -1. Raises
+    ValueError.
+    """
+    width, height = size_of(size)
+    (flat, lens, axes, world_to_camera, fov), _ = camera._arguments()
+    if len(flat) != 16:
+        raise ValueError(f"camera: expected one pose, got {len(flat) // 16}")
+    if lens is None and fov is None:
+        raise ValueError("camera: give K or fov")
+    if axes not in ("opencv", "opengl"):
+        raise ValueError(f"axes={axes!r}: know opengl, opencv")
+    found = array(points, np.float64, "points")
+    if found.ndim < 1 or found.shape[-1] != 3:
+        raise ValueError(f"points: expected shape (..., 3), got {found.shape}")
+    matrix = flat.reshape(4, 4) if world_to_camera else np.linalg.inv(flat.reshape(4, 4))
+    seen = found @ matrix[:3, :3].T + matrix[:3, 3]
+    if axes == "opengl":
+        seen = seen * [1.0, -1.0, -1.0]
+    if lens is None:
+        focal = 0.5 * width / math.tan(0.5 * fov)
+        lens = (focal, focal, 0.5 * width, 0.5 * height)
+    fx, fy, cx, cy = lens
+    w = seen[..., 2]
+    before = w > 0
+    safe = np.where(before, w, 1.0)
+    u = (fx * seen[..., 0] / safe + cx) / width
+    v = 1.0 - (fy * seen[..., 1] / safe + cy) / height
+    uv = np.where(before[..., None], np.stack([u, v], axis=-1), -1.0)
+    return uv.astype(np.float32), w.astype(np.float32)
+
+
 class Frame(dict):
     """The arrays of a rendering by name: ``frame["rgba"]`` (height, width, 4) uint8, sRGB, straight alpha, rows top to bottom, and
     one array for each AOV; a batch has the number of the picture as first axis. ``warnings`` holds sentences."""

@@ -443,15 +443,15 @@ def _places(uv: Any, uv_da: Any, bias: Any, cube: bool) -> Tuple[np.ndarray, Opt
 
 
 class TopologyHash:
-    """The edges of triangles. It holds the triangles alone: edges are found again in each call."""
+    """The vertices beyond the edges of triangles, see :func:`antialias_construct_topology_hash`."""
 
-    def __init__(self, tri: np.ndarray):
-        self._tri = tri
+    def __init__(self, beyond: np.ndarray):
+        self._beyond = beyond
 
 
 def antialias_construct_topology_hash(tri: Any) -> TopologyHash:
-    """What :func:`antialias` takes as ``topology_hash``."""
-    return TopologyHash(_triangles(tri))
+    """The edges that triangles share, for several calls of :func:`antialias` with one ``tri``."""
+    return TopologyHash(_texmap.topology(_triangles(tri).reshape(-1)))
 
 
 def antialias(
@@ -468,7 +468,7 @@ def antialias(
 
     color (B, H, W, C), rast as from :func:`rasterize`, pos and tri as it was given. Where a silhouette edge of the nearer of two
     neighbours crosses the line between their centres, a pixel takes a part of the other's colour: none where it crosses in the middle, half
-    at a centre. ``topology_hash`` and ``pos_gradient_boost`` change no value. Returns (B, H, W, C) float32. Raises ValueError.
+    at a centre. ``topology_hash`` saves time and changes no value, nor does ``pos_gradient_boost``. Returns (B, H, W, C) float32. Raises ValueError.
     """
     _refuse_gradients(color=color, pos=pos)
     pixels = _rast(rast)
@@ -491,6 +491,7 @@ def antialias(
         pixels.reshape(-1),
         positions.reshape(-1),
         triangles.reshape(-1),
+        (topology_hash or antialias_construct_topology_hash(tri))._beyond,
         pictures,
         (width, height),
         channels,
