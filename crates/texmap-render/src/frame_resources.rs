@@ -38,6 +38,7 @@ impl<'s> FrameResources<'s> {
         settings: &RenderSettings,
         buffers: Vec<Vec<f32>>,
     ) -> Result<Self, RenderError> {
+        let first_frame = buffers.is_empty();
         let mut buffers = buffers.into_iter();
         let threads = settings.threads.unwrap_or(usize::MAX);
         let mut draw = |kind: &ShadowKind, size: u32, bias: ShadowBias, taps: u32| {
@@ -50,11 +51,24 @@ impl<'s> FrameResources<'s> {
         let mut lights = scene.lights.clone();
         let mut shadows: Vec<Vec<ShadowSampler>> =
             scene.lights.iter().map(|_| Vec::new()).collect();
+        let mut maps = Vec::new();
         for shadow in &scene.effects.shadows {
             let kind = shadow_kind(scene, shadow.light, shadow.area)?;
             let size = shadow
                 .size
                 .unwrap_or_else(|| fitting_size(scene, &kind, settings.width));
+            maps.push((shadow, kind, size));
+        }
+        // Before the first of many is drawn.
+        if first_frame && maps.len() > 1 {
+            let all = maps.iter().map(|(_, kind, size)| map_texels(kind, *size));
+            settings.memory.ask(
+                all.sum::<usize>() as u64 * 4,
+                format_args!("{} shadow maps", maps.len()),
+                "give `shadow` a smaller size",
+            )?;
+        }
+        for (shadow, kind, size) in maps {
             let bias = shadow.bias.unwrap_or_else(|| shadow_bias(scene));
             shadows[shadow.light].push(draw(&kind, size, bias, shadow.pcf_size)?);
         }
@@ -141,17 +155,25 @@ pub(crate) fn reserve_map(
     size: u32,
     buffer: &mut Vec<f32>,
 ) -> Result<(), RenderError> {
-    let faces = match kind {
-        ShadowKind::Point { .. } => 6,
-        _ => 1,
-    };
     memory.reserve(
         buffer,
-        faces * size as usize * size as usize,
-        format_args!("a shadow map of {faces} x {size} x {size} texels"),
+        map_texels(kind, size),
+        format_args!("a shadow map of {} x {size} x {size} texels", faces(kind)),
         "give `shadow` a smaller size",
     )?;
     Ok(())
+}
+
+fn faces(kind: &ShadowKind) -> usize {
+    match kind {
+        ShadowKind::Point { .. } => 6,
+        _ => 1,
+    }
+}
+
+/// Texels of all faces of a shadow map.
+fn map_texels(kind: &ShadowKind, size: u32) -> usize {
+    faces(kind) * size as usize * size as usize
 }
 
 /// The pyramid of a projector as a spot light's map: square, as wide as the wider side of the picture.

@@ -76,6 +76,25 @@ fn drawing_asks_the_settings() {
     assert_eq!(error.unwrap_err().code(), "over-memory-budget");
 }
 
+/// Maps that fit one by one but not together are refused before the first is drawn.
+#[test]
+fn shadow_maps_are_asked_for_together() {
+    let lights = "ld 1 1 1 0 -1 0.1\nshadow 2048\n".repeat(5);
+    let scene = scene(&lights, MemoryBudget::UNLIMITED).unwrap();
+    let renderer = |mib| {
+        let settings = RenderSettings {
+            memory: MemoryBudget::new(mib << 20),
+            ..RenderSettings::new(16, 16)
+        };
+        Renderer::new(&scene, &settings).map(|_| ())
+    };
+    let Err(RenderError::Memory(refused)) = renderer(70) else {
+        panic!("five maps of 16 MiB are more than 70 MiB")
+    };
+    assert_eq!(refused.what, "5 shadow maps");
+    assert!(renderer(90).is_ok());
+}
+
 #[test]
 fn atlases_ask_their_options() {
     let mesh = AtlasMesh {
