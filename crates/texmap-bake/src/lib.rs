@@ -35,4 +35,4 @@ mod light_map;
 
 pub use environment::capture_environment;
 pub use ground_shadow::GroundShadow;
-pub use light_map::{BakeOptions, LightMap, bake};
+pub use light_map::{BakeOptions, Baker, LightMap, bake};
