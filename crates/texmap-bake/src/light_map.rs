@@ -39,8 +39,35 @@ pub struct LightMap {
     pub lost: Vec<u32>,
 }
 
-/// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates.
-/// These are [`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` if it has no second
+/// Bakes the light maps of the meshes of a scene that was checked once.
+#[derive(Clone, Copy, Debug)]
+pub struct Baker<'s> {
+    scene: &'s Scene,
+}
+
+impl<'s> Baker<'s> {
+    /// For a scene without faults.
+    ///
+    /// # Errors
+    /// Those of [`Scene::check`].
+    pub fn new(scene: &'s Scene) -> Result<Self, RenderError> {
+        scene.check()?;
+        Ok(Self { scene })
+    }
+
+    /// The light map of a mesh: see [`bake`].
+    ///
+    /// # Errors
+    /// Those of [`bake`], but for faults of the scene.
+    pub fn bake(&self, mesh: usize, options: &BakeOptions<'_>) -> Result<LightMap, RenderError> {
+        bake_checked(self.scene, mesh, options)
+    }
+}
+
+/// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates. [`Baker`] checks a scene once for
+/// many meshes.
+///
+/// The coordinates are [`Mesh::lightmap_uvs`](texmap_scene::Mesh::lightmap_uvs), or `uvs` if it has no second
 /// set.
 ///
 /// Texels that a face touches without covering their centre are lit at the nearest point of that face, so that no texel in use is
@@ -54,7 +81,14 @@ pub fn bake(
     mesh: usize,
     options: &BakeOptions<'_>,
 ) -> Result<LightMap, RenderError> {
-    scene.check()?;
+    Baker::new(scene)?.bake(mesh, options)
+}
+
+fn bake_checked(
+    scene: &Scene,
+    mesh: usize,
+    options: &BakeOptions<'_>,
+) -> Result<LightMap, RenderError> {
     let count = scene.meshes.len();
     let mesh = scene.meshes.get(mesh).ok_or(SceneError::Index {
         place: "bake".to_owned(),

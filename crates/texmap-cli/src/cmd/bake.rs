@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 
 use clap::Args;
-use texmap_bake::{BakeOptions, bake};
+use texmap_bake::{BakeOptions, Baker};
 use texmap_io::{LoadOptions, load};
 use texmap_light::{Light, ShadowBias, ShadowMap};
 use texmap_render::{RenderError, shadow_map_for};
@@ -104,6 +104,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let mut stage = Stage::new(first)?;
     let lights = lights(args, &scene)?;
     let shadows = shadows(args, &scene, &lights).map_err(refused)?;
+    let baker = Baker::new(&scene).map_err(refused)?;
     let mut words = Vec::new();
     for ((mesh, output), destination) in meshes.iter().zip(&outputs).zip(destinations) {
         let name = &scene.meshes[*mesh].name;
@@ -120,7 +121,7 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
             shadows: &shadows,
             lights: Some(&lights),
         };
-        let map = bake(&scene, *mesh, &options).map_err(refused)?;
+        let map = baker.bake(*mesh, &options).map_err(refused)?;
         let texels = if args.luminance {
             map.luminance().into_iter().map(|l| [l; 3]).collect()
         } else {
