@@ -362,12 +362,8 @@ impl Planes {
                 ];
             }
             let (b0, b1) = (bounded(b0), bounded(b1));
-            let over = b0 + b1;
-            let (b0, b1) = if over > 1.0 {
-                (b0 / over, b1 / over)
-            } else {
-                (b0, b1)
-            };
+            let rest = 1.0 - b0;
+            let b1 = if b1 < rest { b1 } else { rest };
             *out = [b0 as f32, b1 as f32, z as f32, self.id];
             (u, v, s, z) = (u + du, v + dv, s + ds, z + dz);
         }

@@ -273,3 +273,89 @@ impl Stats {
         self.binned += other.binned;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+
+    use super::*;
+    use crate::{BinnedDraws, NoAlphaTest, VisibilityBuffer};
+    use texmap_math::Level;
+    use texmap_math::glam::DVec4;
+
+    /// Depths and ids of all tiles.
+    fn seen(draw: &DrawCall<'_>, level: Level) -> (Vec<u32>, Vec<u32>) {
+        let size = TargetSize::new(150, 90).unwrap();
+        let binned = BinnedDraws::with_level(size, &[*draw], level, 1).unwrap();
+        let (mut depths, mut ids) = (Vec::new(), Vec::new());
+        let mut buffers = VisibilityBuffer::new();
+        for tile in 0..binned.tiles() {
+            binned.visible(tile, &NoAlphaTest, &mut buffers);
+            depths.extend(buffers.depth.iter().map(|d| d.to_bits()));
+            ids.extend(&buffers.id);
+        }
+        (depths, ids)
+    }
+
+    /// Positions on a grid and a dyadic matrix: the clip z of each vertex is exact in f32.
+    #[test]
+    fn clip_z_of_vertices_replaces_that_of_the_matrix() {
+        let mut state = 1_u32;
+        let mut next = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            ((state >> 20) as f32 - 2048.0) / 512.0
+        };
+        let positions: Vec<[f32; 3]> = (0..300).map(|_| [next(), next(), next()]).collect();
+        let indices: Vec<[u32; 3]> = (0..100).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let rows = [
+            DVec4::new(1.0, 0.0, 0.25, 0.0),
+            DVec4::new(0.0, 1.0, 0.0, 0.5),
+            DVec4::new(0.25, 0.125, 0.25, 1.5),
+            DVec4::new(0.0, 0.0, -1.0, 3.0),
+        ];
+        let matrix = |z: DVec4| DMat4::from_cols(rows[0], rows[1], z, rows[3]).transpose();
+        let z = |p: &[f32; 3]| {
+            let p = DVec4::new(p[0].into(), p[1].into(), p[2].into(), 1.0);
+            rows[2].dot(p) as f32
+        };
+        let clip_z: Vec<f32> = positions.iter().map(z).collect();
+        let by_matrix = DrawCall {
+            positions: &positions,
+            indices: &indices,
+            clip_from_object: matrix(rows[2]),
+            ..DrawCall::default()
+        };
+        let given = DrawCall {
+            clip_z: &clip_z,
+            clip_from_object: matrix(DVec4::ZERO),
+            ..by_matrix
+        };
+        let without = DrawCall {
+            clip_z: &[],
+            ..given
+        };
+        for level in [Level::new(), Level::baseline()] {
+            let expected = seen(&by_matrix, level);
+            assert!(expected.1.iter().any(|id| *id != u32::MAX));
+            assert!(
+                expected.1.iter().any(|id| (100..u32::MAX).contains(id)),
+                "none is cut"
+            );
+            assert_eq!(seen(&given, level), expected);
+            assert_ne!(seen(&without, level), expected);
+        }
+        let short = DrawCall {
+            clip_z: &clip_z[1..],
+            ..given
+        };
+        let refused = BinnedDraws::new(TargetSize::new(8, 8).unwrap(), &[short]);
+        assert!(matches!(
+            refused,
+            Err(RasterError::AttributeLength {
+                expected: 300,
+                found: 299,
+                ..
+            })
+        ));
+    }
+}

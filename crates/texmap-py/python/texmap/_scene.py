@@ -139,16 +139,16 @@ class Poses:
 def look_at(eye: Vector, target: Vector = (0.0, 0.0, 0.0), up: Vector = (0.0, 1.0, 0.0), axes: str = "opencv") -> np.ndarray:
     """The (4, 4) float64 pose, camera to world, of a camera at ``eye`` that looks at ``target``. Raises ValueError where they are one
     point, or ``up`` is parallel to the line of sight."""
-    eye, target, up = (np.asarray(_vector(v, name)) for v, name in ((eye, "eye"), (target, "target"), (up, "up")))
-    forward = target - eye
-    right = np.cross(forward, up)
-    if not np.linalg.norm(right) > 1e-9 * np.linalg.norm(forward) * np.linalg.norm(up):
-        raise ValueError(f"look_at: no view from {eye.tolist()} to {target.tolist()} with up {up.tolist()}")
+    origin, to, above = (np.asarray(_vector(v, name)) for v, name in ((eye, "eye"), (target, "target"), (up, "up")))
+    forward = to - origin
+    right = np.cross(forward, above)
+    if not np.linalg.norm(right) > 1e-9 * np.linalg.norm(forward) * np.linalg.norm(above):
+        raise ValueError(f"look_at: no view from {origin.tolist()} to {to.tolist()} with up {above.tolist()}")
     forward, right = forward / np.linalg.norm(forward), right / np.linalg.norm(right)
     if axes not in ("opencv", "opengl"):
         raise ValueError(f"axes={axes!r}: know opengl, opencv")
     down = np.cross(forward, right)
-    columns = (right, down, forward, eye) if axes == "opencv" else (right, -down, -forward, eye)
+    columns = (right, down, forward, origin) if axes == "opencv" else (right, -down, -forward, origin)
     pose = np.eye(4)
     pose[:3] = np.stack(columns, axis=1)
     return pose
@@ -261,7 +261,7 @@ def _mesh_of(thing: Any) -> List[Mesh]:
 
 
 def _of_trimesh(mesh: Any) -> Mesh:
-    visual = getattr(mesh, "visual", None)
+    visual: Any = getattr(mesh, "visual", None)
     uv = getattr(visual, "uv", None)
     if uv is not None and len(uv) != len(mesh.vertices):
         uv = None
@@ -637,7 +637,8 @@ def render(
         if env is None:
             scene = Scene(_inner=scene._inner.copied())
         scene._inner.set_background(_color(background))
-    arguments, count, batch = None, 1, False
+    arguments: Any = None
+    count, batch = 1, False
     if isinstance(camera, Poses):
         arguments, batch = camera._arguments()
         count = len(arguments[0]) // 16

@@ -105,7 +105,7 @@ def _autograd() -> Any:
     global _functions
     if _functions is not None:
         return _functions
-    torch = _torch()
+    torch: Any = _torch()
 
     class Texture(torch.autograd.Function):
         @staticmethod
