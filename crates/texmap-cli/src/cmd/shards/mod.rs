@@ -50,10 +50,7 @@ impl FromArgMatches for ShardsArgs {
 impl Args for ShardsArgs {
     fn augment_args(command: Command) -> Command {
         let verbs = BatchVerb::ALL.map(|verb| ShardsFlags::augment_args(verb.command()));
-        command
-            .subcommand_required(true)
-            .arg_required_else_help(true)
-            .subcommands(verbs)
+        command.subcommand_required(true).subcommands(verbs)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
