@@ -241,6 +241,7 @@ impl From<clap::Error> for Failure {
             let command = Cli::command();
             let verbs: Vec<&str> = command
                 .get_subcommands()
+                .filter(|verb| !verb.is_hide_set())
                 .map(clap::Command::get_name)
                 .collect();
             return Self::usage(

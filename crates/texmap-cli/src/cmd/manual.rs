@@ -48,7 +48,10 @@ pub(crate) fn man(args: &ManArgs) -> Result<Exit, Failure> {
         return Ok(Exit::Done);
     };
     let mut pages = vec![("texmap.1".to_owned(), page(command.clone())?)];
-    for verb in command.get_subcommands().filter(|c| c.get_name() != "help") {
+    for verb in command
+        .get_subcommands()
+        .filter(|c| c.get_name() != "help" && !c.is_hide_set())
+    {
         let name = format!("texmap-{}", verb.get_name());
         pages.push((format!("{name}.1"), page(verb.clone())?));
     }

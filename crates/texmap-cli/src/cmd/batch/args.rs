@@ -272,7 +272,6 @@ impl Args for BatchArgs {
     fn augment_args(command: Command) -> Command {
         command
             .subcommand_required(true)
-            .arg_required_else_help(true)
             .subcommands(BatchVerb::ALL.map(BatchVerb::command))
     }
 

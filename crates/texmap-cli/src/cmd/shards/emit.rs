@@ -55,7 +55,7 @@ fn slurm(tasks: &Tasks) -> String {
         "#!/bin/sh\n\
          #SBATCH --job-name=texmap\n\
          #SBATCH --array=1-{count}\n\
-         #SBATCH --cpus-per-task=1\n\
+         #SBATCH --cpus-per-task={cores}\n\
          #SBATCH --mem={memory}M\n\
          #SBATCH --time={minutes}\n\
          #SBATCH --requeue\n\
@@ -65,6 +65,7 @@ fn slurm(tasks: &Tasks) -> String {
          [ $code -ne 75 ] || scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\"\n\
          exit $code\n",
         count = tasks.count,
+        cores = tasks.cores,
         memory = mebibytes(tasks),
         minutes = minutes(tasks),
         command = shell(&tasks.command),
@@ -73,8 +74,9 @@ fn slurm(tasks: &Tasks) -> String {
 
 fn hyperqueue(tasks: &Tasks) -> String {
     format!(
-        "hq submit --name texmap --array 1-{count} --cpus 1 --time-request {minutes}m --crash-limit 10 -- {command} --shard=auto --shard-count={count}\n",
+        "hq submit --name texmap --array 1-{count} --cpus {cores} --time-request {minutes}m --crash-limit 10 -- {command} --shard=auto --shard-count={count}\n",
         count = tasks.count,
+        cores = tasks.cores,
         minutes = minutes(tasks),
         command = shell(&tasks.command),
     )
@@ -94,16 +96,17 @@ fn kubernetes(tasks: &Tasks) -> String {
          podFailurePolicy:\n    rules:\n      \
          # Lost nodes and evictions do not count.\n      \
          - action: Ignore\n        onPodConditions:\n          - type: DisruptionTarget\n      \
-         # 2, 3, 4: the same call would fail again.\n      \
-         - action: FailIndex\n        onExitCodes:\n          containerName: texmap\n          operator: In\n          values: [2, 3, 4]\n  \
+         # 1 to 6: the same call would end with it again.\n      \
+         - action: FailIndex\n        onExitCodes:\n          containerName: texmap\n          operator: In\n          values: [1, 2, 3, 4, 5, 6]\n  \
          template:\n    spec:\n      restartPolicy: Never\n      containers:\n        - name: texmap\n          image: {IMAGE}\n          \
          workingDir: /data\n          args:\n{args}          \
-         resources:\n            requests: {{cpu: \"1\", memory: {memory}Mi}}\n            limits: {{memory: {memory}Mi}}\n          \
+         resources:\n            requests: {{cpu: \"{cores}\", memory: {memory}Mi}}\n            limits: {{memory: {memory}Mi}}\n          \
          volumeMounts:\n            - {{name: data, mountPath: /data}}\n      \
          volumes:\n        - name: data\n          persistentVolumeClaim: {{claimName: data}}\n",
         count = tasks.count,
         parallel = tasks.count.min(100),
         args = args.concat(),
+        cores = tasks.cores,
         memory = mebibytes(tasks),
     )
 }
@@ -129,7 +132,7 @@ fn aws_batch(tasks: &Tasks) -> String {
         "containerOverrides": {
             "command": arguments(tasks),
             "resourceRequirements": [
-                { "type": "VCPU", "value": "1" },
+                { "type": "VCPU", "value": tasks.cores.to_string() },
                 { "type": "MEMORY", "value": mebibytes(tasks).to_string() },
             ],
         },

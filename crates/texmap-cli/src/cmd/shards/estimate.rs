@@ -23,22 +23,28 @@ const BYTES_A_BYTE: u64 = 12;
 const BYTES_A_PIXEL: u64 = 12;
 /// Bytes of the program with its tables.
 const BYTES: u64 = 48 << 20;
+/// Bytes of the batch itself beside its processes.
+const BATCH_BYTES: u64 = 16 << 20;
+/// Seconds of each process of a task: its start, and the light of the neutral studio, which it gathers once.
+const SECONDS_A_TASK: f64 = 0.1;
 
 /// Means that a task takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub(super) struct Estimate {
-    /// The largest memory at a time, for one job.
+    /// The largest memory at a time, of all jobs.
     pub(super) memory_bytes: u64,
     /// Time on one core.
     pub(super) core_seconds: f64,
 }
 
 impl Estimate {
-    /// Units one after the other.
-    pub(super) fn sum(units: &[Self]) -> Self {
+    /// A task of these units, so many at a time.
+    pub(super) fn sum(units: &[Self], jobs: u16) -> Self {
+        let largest = units.iter().map(|u| u.memory_bytes).max().unwrap_or(BYTES);
         Self {
-            memory_bytes: units.iter().map(|u| u.memory_bytes).max().unwrap_or(BYTES),
-            core_seconds: units.iter().map(|u| u.core_seconds).sum(),
+            memory_bytes: BATCH_BYTES + largest * u64::from(jobs),
+            core_seconds: SECONDS_A_TASK * f64::from(jobs)
+                + units.iter().map(|u| u.core_seconds).sum::<f64>(),
         }
     }
 

@@ -50,10 +50,7 @@ impl FromArgMatches for ShardsArgs {
 impl Args for ShardsArgs {
     fn augment_args(command: Command) -> Command {
         let verbs = BatchVerb::ALL.map(|verb| ShardsFlags::augment_args(verb.command()));
-        command
-            .subcommand_required(true)
-            .arg_required_else_help(true)
-            .subcommands(verbs)
+        command.subcommand_required(true).subcommands(verbs)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -82,6 +79,8 @@ struct Tasks {
     verb: &'static str,
     units: u64,
     count: u32,
+    /// Cores that a task takes.
+    cores: u32,
     /// Means of the largest task.
     largest: Estimate,
     /// Seconds of one core for all tasks.
@@ -114,7 +113,10 @@ pub(crate) fn run(args: &ShardsArgs) -> Result<Exit, Failure> {
             units: own.len() as u64,
             ids: ends.map(|(first, last)| [first.id.clone(), last.id.clone()]),
             command: [command.clone(), vec![format!("--shard={part}")]].concat(),
-            estimate: Estimate::sum(&costs[range.start as usize..range.end as usize]),
+            estimate: Estimate::sum(
+                &costs[range.start as usize..range.end as usize],
+                jobs(batch),
+            ),
         }
     };
     let tasks: Vec<Task> = (1..=count).map(task).collect();
@@ -123,6 +125,7 @@ pub(crate) fn run(args: &ShardsArgs) -> Result<Exit, Failure> {
         verb: plan.verb.name(),
         units: plan.units.len() as u64,
         count,
+        cores: u32::from(jobs(batch)) * u32::from(threads(batch)),
         largest: Estimate::largest(tasks.iter().map(|task| task.estimate)),
         core_seconds: tasks.iter().map(|task| task.estimate.core_seconds).sum(),
         tasks,
@@ -133,6 +136,14 @@ pub(crate) fn run(args: &ShardsArgs) -> Result<Exit, Failure> {
         form => failure::print(&emit::text(form, &tasks))?,
     }
     Ok(Exit::Done)
+}
+
+fn jobs(batch: &BatchArgs) -> u16 {
+    batch.flags.jobs.unwrap_or(1)
+}
+
+fn threads(batch: &BatchArgs) -> u16 {
+    batch.threads.unwrap_or(1)
 }
 
 /// The command line of the batch, which resumes and lacks its shard.
@@ -158,8 +169,9 @@ fn command(batch: &BatchArgs) -> Vec<String> {
     let options = [
         ("unit", unit.map(str::to_owned)),
         ("bands", flags.bands.map(|n| n.to_string())),
-        ("jobs", flags.jobs.map(|n| n.to_string())),
-        ("threads", batch.threads.map(|n| n.to_string())),
+        // An engine counts cores: without these a task would take all of its machine.
+        ("jobs", Some(jobs(batch).to_string())),
+        ("threads", Some(threads(batch).to_string())),
         ("state", flags.state.as_ref().map(text)),
     ];
     for (name, value) in options {
