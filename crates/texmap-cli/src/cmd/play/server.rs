@@ -18,7 +18,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Serves until a signal ends the program.
 pub(crate) fn serve(listener: &TcpListener, pages: &Pages) -> Result<Exit, Failure> {
-    let open = AtomicUsize::new(0);
+    let open = &AtomicUsize::new(0);
     thread::scope(|scope| {
         for stream in listener.incoming() {
             // A connection that was given up meanwhile is no fault of the server; without any, a short rest.
@@ -30,7 +30,7 @@ pub(crate) fn serve(listener: &TcpListener, pages: &Pages) -> Result<Exit, Failu
                 thread::sleep(Duration::from_millis(5));
             }
             open.fetch_add(1, Ordering::Relaxed);
-            scope.spawn(|| {
+            scope.spawn(move || {
                 let _ = answer(&stream, pages);
                 open.fetch_sub(1, Ordering::Relaxed);
             });
