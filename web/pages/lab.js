@@ -32,6 +32,7 @@ export function make(tag, attributes = {}, ...children) {
 
 export function show(canvas, panel) {
   if (canvas.width !== panel.width || canvas.height !== panel.height) [canvas.width, canvas.height] = [panel.width, panel.height];
+  canvas.style.imageRendering = panel.width < 200 ? 'pixelated' : '';
   canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(panel.rgba), panel.width, panel.height), 0, 0);
 }
 

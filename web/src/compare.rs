@@ -56,7 +56,13 @@ pub(crate) fn with_frame(drawn: &Frame, right: &Frame, texels: Option<f64>) -> C
             most = most.max(distance);
             sum += distance;
             count += 1;
-            compared.map.set(at.0, at.1, heat(4.0 * distance));
+            // A hundredth of a texel is rounding.
+            let shown = if distance * texels < 0.01 {
+                0.0
+            } else {
+                distance
+            };
+            compared.map.set(at.0, at.1, heat(4.0 * shown));
         }
         compared.shift = Some((most * texels, sum / f64::from(count.max(1)) * texels));
     }
@@ -82,7 +88,9 @@ fn of_codes((width, height): (u32, u32), drawn: &[f64], right: &[f64]) -> Compar
         }
         most = most.max(worst);
         let (x, y) = (i as u32 % width, i as u32 / width);
-        map.set(x.into(), y.into(), heat(4.0 * worst));
+        // Half a code is rounding.
+        let shown = if worst * 255.0 <= 0.51 { 0.0 } else { worst };
+        map.set(x.into(), y.into(), heat(4.0 * shown));
     }
     let channels = 3.0 * f64::from(width) * f64::from(height);
     Compared {

@@ -51,8 +51,8 @@ struct Reference {
     text: Option<String>,
     #[serde(flatten)]
     methods: Methods,
-    /// The f64 reference by rays, with so many samples a pixel and axis, instead of the renderer.
-    rays: Option<u32>,
+    /// The f64 reference by rays, one a pixel, instead of the renderer, at this width and height: it is slow.
+    rays: Option<[u32; 2]>,
     /// The largest shift in closed form, texels.
     expected: Option<f64>,
     /// The largest difference of a colour in closed form, of 1.
@@ -171,10 +171,13 @@ impl Draw {
         reference: &Reference,
         model: bool,
     ) -> Result<Compared, String> {
-        if let Some(samples) = reference.rays {
-            let truth = texmap_truth::frame(scene, drawn.width, drawn.height, samples)
-                .map_err(|e| e.to_string())?;
-            return Ok(compare::with_truth(drawn, &truth));
+        if let Some(size) = reference.rays {
+            let small = frame(scene, &self.methods.settings(size, model)?)?;
+            let truth = texmap_truth::frame(scene, size[0], size[1], 1);
+            return Ok(compare::with_truth(
+                &small,
+                &truth.map_err(|e| e.to_string())?,
+            ));
         }
         let mut other;
         let scene = match &reference.text {

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use texmap_math::Homography;
 use texmap_math::glam::DVec2;
 use texmap_render::{Aov, AovData, Frame};
-use texmap_sample::Filter;
+use texmap_sample::{EdgeMode, Filter};
 
 use crate::answer::Answer;
 use crate::compare;
@@ -98,7 +98,7 @@ impl PixelFootprint {
         } else {
             Filter::Trilinear
         };
-        let mut picture = warp(&texture, filter, &view, [side, side])?;
+        let mut picture = warp(&texture, filter, &view, EdgeMode::Repeat, [side, side])?;
         let place = |p: DVec2| {
             let p = (p - low) * zoom;
             (p.x.round() as i64, p.y.round() as i64)

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use texmap_math::glam::DVec2;
-use texmap_sample::Filter;
+use texmap_sample::{EdgeMode, Filter};
 use texmap_truth::picture::{Picture, Rgba};
 use texmap_truth::strip::heat;
 
@@ -32,7 +32,13 @@ impl Forward {
         let side = f64::from(texels);
         let whole = [texture.width(), texture.height()].map(f64::from);
         let read = between(corners(whole), corners([side, side]))?;
-        let source = warp(&texture, Filter::Trilinear, &read, [texels, texels])?;
+        let source = warp(
+            &texture,
+            Filter::Trilinear,
+            &read,
+            EdgeMode::Edge,
+            [texels, texels],
+        )?;
         let quad = self
             .corners
             .map(|[x, y]| DVec2::new(x * f64::from(width), y * f64::from(height)));

@@ -40,9 +40,10 @@ pub(crate) fn warp(
     texture: &Texture2d<'_>,
     filter: Filter,
     output_from_source: &Homography,
+    outside: EdgeMode,
     [width, height]: [u32; 2],
 ) -> Result<Picture, String> {
-    let resample = Resample::new(texture, filter, EdgeMode::Transparent, output_from_source);
+    let resample = Resample::new(texture, filter, outside, output_from_source);
     let mut colors = vec![[0.0f32; 4]; width as usize * height as usize];
     let drawn = resample.rows(Level::new(), width, 0, &mut colors);
     drawn.map_err(|e| e.to_string())?;
@@ -76,14 +77,23 @@ impl Rectify {
         let to = corners(size.map(f64::from));
         let map = between(from, to)?;
         let mut answer = Answer::default();
-        answer.picture("the plane, rectified", &warp(&texture, filter, &map, size)?);
+        answer.picture(
+            "the plane, rectified",
+            &warp(&texture, filter, &map, EdgeMode::Transparent, size)?,
+        );
 
         let shown = self.shown.clamp(64, 1024);
         let height = (f64::from(shown) * whole[1] / whole[0])
             .round()
             .clamp(16.0, 2048.0);
         let small = between(corners(whole), corners([f64::from(shown), height]))?;
-        let mut photo = warp(&texture, Filter::Trilinear, &small, [shown, height as u32])?;
+        let mut photo = warp(
+            &texture,
+            Filter::Trilinear,
+            &small,
+            EdgeMode::Edge,
+            [shown, height as u32],
+        )?;
         let place = |p: DVec2| {
             small
                 .apply(p)

@@ -18,24 +18,24 @@ pub struct DepthMap {
     size: [u32; 2],
     /// Texels a side of the picture of the map.
     map: u32,
-    /// Compare with shadows by rays.
-    #[serde(default)]
-    rays: bool,
+    /// Compare with shadows by rays at this width and height: they are slow.
+    rays: Option<[u32; 2]>,
 }
 
 impl DepthMap {
     pub(crate) fn answer(&self, files: &Files) -> Result<Answer, String> {
         let settings = Methods::default().settings(self.size, false)?;
         let (scene, frame) = draw::drawn(files, "page.scene", Some(&self.text), &settings)?;
-        let truth = match self.rays {
-            true => Some(
-                texmap_truth::frame(&scene, frame.width, frame.height, 1)
-                    .map_err(|e| e.to_string())?,
-            ),
-            false => None,
+        let compared = match self.rays {
+            None => None,
+            Some(size) => {
+                let small = draw::frame(&scene, &Methods::default().settings(size, false)?)?;
+                let truth = texmap_truth::frame(&scene, size[0], size[1], 1);
+                let truth = truth.map_err(|e| e.to_string())?;
+                Some(compare::with_truth(&small, &truth))
+            }
         };
         let mut answer = Answer::default();
-        let compared = truth.map(|truth| compare::with_truth(&frame, &truth));
         answer.frame("picture", frame);
         if let Some(shadow) = scene.effects.shadows.first() {
             let kind = shadow_kind(&scene, shadow.light, shadow.area).map_err(|e| e.to_string())?;

@@ -22,6 +22,6 @@ export default {
     const text = `eye ${n(7.6 * Math.sin(b))} ${n(c.height)} ${n(7.6 * Math.cos(b))}\nlook 0.1 1.2 0\nfov 48\nbackground 0.10 0.11 0.14\nla 0.2 0.2 0.2
 ${c.mode === 'paint' ? 'ld 0.6 0.6 0.6 -1 -1 -1\n' : ''}projector ${c.texture} ${c.mode} ${n(9.2 * Math.sin(a))} 4.5 ${n(9.2 * Math.cos(a))} 0 1.2 0 0 1 0 ${n(c.fov)} soft ${n(c.soft)}${c.shadow ? ' shadow 1024' : ''}
 surf 0.85 0.83 0.80 1 1 0 30\nv -6 0 6\nv 6 0 6\nv 6 0 -6\nv -6 0 -6\nf 0 1 2 3\nobj models/teapot_white.obj\n`;
-    return { kind: 'draw', file: 'page.scene', text, size: [480, 360], reference: { rays: 1 } };
+    return { kind: 'draw', file: 'page.scene', text, size: [480, 360], reference: { rays: [120, 90] } };
   },
 };

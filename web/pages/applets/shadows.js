@@ -25,6 +25,6 @@ export default {
 surf 0.86 0.84 0.80 1 1 0 20\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nv -4 0 -4\nf 0 1 2 3\nshade modulate pixel\ntexture textures/fence.png\nwrap repeat clamp-to-edge
 v -2.6 0 1.4\nv -0.2 0 2.2\nv -0.2 1 2.2\nv -2.6 1 1.4\ntf 4 0 1 5 4 1 6 4 0 7 0 0\ntexture none\nsurf 0.78 0.42 0.30 1 1 0 30
 push\ntranslate 1 0.5 0.6\nobj models/ball_plain.obj\npop\nsurf 0.5 0.62 0.8 1 1 0 30\npush\ntranslate -0.9 0.5 -1.2\nrotate 30 0 1 0\nobj models/cube_plain.obj\npop\n`;
-    return { kind: 'depth-map', text, size: [480, 360], map: 256, rays: true };
+    return { kind: 'depth-map', text, size: [480, 360], map: 256, rays: [120, 90] };
   },
 };

@@ -17,6 +17,6 @@ export default {
     const [u, w, s] = [c.u, c.v, c.size];
     const text = `eye -0.5 0.3 2.6\nlook 0 0 0\nfov 52\nbackground 0.2 0.22 0.26\nfilter bilinear\nwrap ${c.wrap}\nborder 1 0.6 0.1 1\ntexture ${c.texture}
 ${v([-1.2, -0.9, 0], [1.2, -0.9, -0.6], [1.2, 0.9, -0.6], [-1.2, 0.9, 0])}\ntf 0 ${n(u)} ${n(w + s * 0.75)} 1 ${n(u + s)} ${n(w + s * 0.75)} 2 ${n(u + s)} ${n(w)} 3 ${n(u)} ${n(w)}\n`;
-    return { kind: 'draw', file: 'page.scene', text, size: [640, 480], reference: { rays: 1 } };
+    return { kind: 'draw', file: 'page.scene', text, size: [640, 480], reference: { rays: [320, 240] } };
   },
 };
