@@ -29,8 +29,9 @@ pub fn capture_environment(
     capture(around, center, size, Captured::Display)
 }
 
-/// The environment of a point, as [`capture_environment`] makes that of a mesh, but for its light: linear, beyond 1 too and without tone
-/// mapping, as [`Aov::Color`](texmap_render::Aov::Color) holds it. `hidden` meshes are left out, by index.
+/// The environment of a point, as [`capture_environment`] makes that of a mesh, but in linear light that is not rounded and without tone
+/// mapping, as [`Aov::Color`](texmap_render::Aov::Color) holds it: surfaces of the classic model end at 1. `hidden` meshes are left out, by
+/// index.
 ///
 /// # Errors
 /// [`SceneError::Index`] for a mesh that does not exist, [`SceneError::Value`] for a point that is not finite or an environment of no

@@ -98,8 +98,8 @@ impl ReflectionBox {
             let ahead = r[k].simd_gt(0.0);
             let wall = ahead.select(i.f32(self.high[k]), i.f32(self.low[k]));
             let reach = (wall - p[k]) / r[k];
-            // Rays along a wall never meet it: their reach is no number or infinite.
-            let nearer = reach.simd_lt(t);
+            // Rays along a wall never meet it, whatever their quotient is.
+            let nearer = reach.simd_lt(t) & !r[k].simd_eq(0.0);
             t = nearer.select(reach, t);
             let here = [r[k], position.dx[k], position.dy[k], ray.dx[k], ray.dy[k]];
             for c in 0..5 {

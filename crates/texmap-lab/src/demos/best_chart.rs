@@ -22,9 +22,11 @@ fn unfolded(layout: EnvironmentLayout, size: u32, color: impl Fn(DVec3) -> [f32;
     };
     let cell = size / columns;
     let height = cell / layout.aspect();
+    let rows = faces.div_ceil(columns);
+    let above = (size - rows * height) / 2;
     let mut picture = Picture::new(size, size, BACK);
     for face in 0..faces {
-        let (left, top) = (face % columns * cell, face / columns * cell);
+        let (left, top) = (face % columns * cell, above + face / columns * height);
         for (x, y) in (0..height).flat_map(|y| (0..cell).map(move |x| (x, y))) {
             let uv = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5)
                 / DVec2::new(cell.into(), height.into());
@@ -81,7 +83,7 @@ fn ratios() -> Vec<Claim> {
             L::DualParaboloid,
             middle,
             edge,
-            0.25,
+            4.0,
             "paraboloid: middle over rim",
         ),
         (

@@ -123,7 +123,7 @@ pub(super) fn rectification(size: u32) -> Result<DemoPicture, LabError> {
     let panels = panels! {
         facade => "The plane", "What a camera in front of it would see.";
         photo => "A photo of it", "No texture: its distances are those of a perspective.";
-        naive => "Weights of the four corners", "Lines bend, and letters near the far edge are too wide.";
+        naive => "Weights of the four corners", "Cells that are equal come out unequal: the far ones are too small.";
         cured => "A homography of the four points", "The plane again; the far side has lost detail, which no map gives back.";
     };
     Ok(sheet(

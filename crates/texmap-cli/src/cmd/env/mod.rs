@@ -38,7 +38,7 @@ pub(crate) struct EnvArgs {
     /// The environment: PNG, JPEG, HDR or EXR
     #[arg(required_unless_present = "from_scene", conflicts_with = "from_scene")]
     image: Option<PathBuf>,
-    /// Take the six views of this scene from a point, --at or --object, in linear light; write .exr or .hdr to keep light beyond 1
+    /// Take the six views of this scene from a point, --at or --object, in linear light; .exr and .hdr keep it as it is
     #[arg(long, value_name = "SCENE", conflicts_with = "from")]
     from_scene: Option<PathBuf>,
     /// The point in the world
