@@ -81,7 +81,7 @@ fn drawing_asks_the_settings() {
 fn shadow_maps_are_asked_for_together() {
     let lights = "ld 1 1 1 0 -1 0.1\nshadow 2048\n".repeat(5);
     let scene = scene(&lights, MemoryBudget::UNLIMITED).unwrap();
-    let renderer = |mib| {
+    let renderer = |mib: u64| {
         let settings = RenderSettings {
             memory: MemoryBudget::new(mib << 20),
             ..RenderSettings::new(16, 16)
