@@ -18,12 +18,25 @@ pub fn light_as_model(scene: &mut Scene, up: Up) {
     }
 }
 
-/// Gives every material the metallic-roughness model that has none. Raw colours are no light: leave their scenes as they are.
+/// Gives every material the metallic-roughness model that has none, with a warning on maps that this model does not draw. Raw colours are
+/// no light: leave their scenes as they are.
 pub fn metallic_surfaces(scene: &mut Scene) {
+    let mut lost = 0;
     for material in &mut scene.materials {
         if material.metallic_roughness.is_none() {
+            let maps = &material.maps;
+            lost += usize::from(maps.ambient.is_some() || maps.exponent.is_some());
             material.metallic_roughness = Some(MetallicRoughness::of_classic(material));
         }
+    }
+    if lost > 0 {
+        let materials = match lost {
+            1 => "1 material has".to_owned(),
+            _ => format!("{lost} materials have"),
+        };
+        scene.warnings.push(format!(
+            "{materials} maps of ambient colours or exponents (`map_Ka`, `map_Ns`), which metallic-roughness does not draw; --shading classic does"
+        ));
     }
 }
 
@@ -78,7 +91,15 @@ mod tests {
         let mut lit = model.clone();
         light_as_model(&mut lit, Up::Y);
         assert!(lit.lights.is_empty() && lit.effects.environment_light.is_some());
-        assert!(lit.materials[0].metallic_roughness.is_some());
+        assert!(lit.materials[0].metallic_roughness.is_some() && lit.warnings.is_empty());
+        model.materials[0].maps.exponent = Some(texmap_scene::TextureSlot::new(0));
+        let mut lost = model.clone();
+        light_as_model(&mut lost, Up::Y);
+        assert!(
+            lost.warnings[0].contains("1 material has maps"),
+            "{:?}",
+            lost.warnings
+        );
         model.color = ColorMode::Raw;
         model.lights.clear();
         light_as_model(&mut model, Up::Y);
