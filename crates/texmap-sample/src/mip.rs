@@ -185,9 +185,9 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
                 packed.clear();
                 match reduce {
                     Reduce::Normals => {
-                        for &c in &reduced {
-                            format.push(&mut packed, normalized(c, format.units()));
-                        }
+                        let units = format.units();
+                        let unit = reduced.iter().map(|c| normalized(*c, units));
+                        format.push_row(&mut packed, &unit.collect::<Vec<_>>());
                     }
                     _ => format.push_row(&mut packed, &reduced),
                 }
