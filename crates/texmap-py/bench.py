@@ -1,4 +1,5 @@
-"""Times of the package, the least of several runs: ``python bench.py`` prints what docs/python.md quotes.
+"""Times of the package, the least of several runs: ``python bench.py`` prints what docs/python.md quotes, ``python bench.py peers`` the
+batch of poses of F3D's module and of pyrender (EGL) too, where they are installed.
 
 The machine should be idle. Nothing here is a test.
 """
@@ -64,18 +65,88 @@ def main():
     print(f"dr.interpolate, 2 attributes with derivatives, one thread: {least(lambda: dr.interpolate(uv, rast, faces, rast_db, 'all', threads=1)):.2f} ms")
     print(f"dr.texture, trilinear of a mip stack, 3 channels, one thread: {least(lambda: dr.texture(tex, at, da, mip=mip, threads=1)):.2f} ms")
     print(f"dr.antialias: {least(lambda: dr.antialias(color, rast, pos, faces)):.2f} ms")
-    scene = texmap.load(ROOT / "assets" / "models" / "cow.obj")
-    angles = np.linspace(0, 2 * np.pi, 100, endpoint=False)
-    poses = np.tile(np.eye(4), (100, 1, 1))
-    for pose, a in zip(poses, angles):
+    for samples in (1, 4):
+        poses(f"texmap, {samples} samples", texmap_poses(samples))
+    if "peers" in sys.argv:
+        for name, peer in (("F3D", f3d_poses), ("pyrender", pyrender_poses)):
+            try:
+                work = peer()
+            except Exception as error:  # whatever a missing module or display raises
+                print(f"LEFT OUT {name}: {error}")
+            else:
+                poses(name, work)
+
+
+MODEL = ROOT / "assets" / "models" / "cow.obj"
+ANGLES = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+FOV = 39.0
+
+
+def poses(name, work):
+    work()
+    begin, used = time.perf_counter(), time.process_time()
+    picture = work()
+    wall, used = time.perf_counter() - begin, time.process_time() - used
+    assert (picture != picture[0, 0]).any(), "an empty picture"
+    print(f"100 poses at 640 x 480, {name}: {wall * 1e3:.0f} ms, {used * 1e3:.0f} ms of processors")
+
+
+def around():
+    """Poses with OpenGL axes, around the model."""
+    found = np.tile(np.eye(4), (len(ANGLES), 1, 1))
+    for pose, a in zip(found, ANGLES):
         back = np.array([np.sin(a), 0.0, np.cos(a)])
         pose[:3, :3] = np.stack([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], back], axis=1)
-        pose[:3, 3] = 16 * back
-    cameras = texmap.Poses(poses, "opengl", fov=50)
-    triangles = sum(m["triangles"] for m in scene.meshes)
-    for samples in (1, 4):
-        t = least(lambda: scene.render(cameras, (640, 480), samples=samples), 2, time.perf_counter)
-        print(f"render, 100 poses of {triangles} triangles at 640 x 480, {samples} samples, all threads: {t:.0f} ms")
+        pose[:3, 3] = 5 * back
+    return found
+
+
+def texmap_poses(samples):
+    scene = texmap.load(MODEL)
+    fov = np.degrees(2 * np.arctan(np.tan(np.radians(FOV) / 2) * 4 / 3))
+    cameras = texmap.Poses(around(), "opengl", fov=fov)
+    return lambda: scene.render(cameras, (640, 480), samples=samples).rgba[-1]
+
+
+def f3d_poses():
+    import f3d
+
+    engine = f3d.Engine.create(True)
+    engine.window.size = (640, 480)
+    engine.scene.add(str(MODEL))
+    camera = engine.window.camera
+
+    def work():
+        for pose in around():
+            camera.position, camera.focal_point, camera.view_up = tuple(pose[:3, 3]), (0, 0, 0), (0, 1, 0)
+            camera.view_angle = FOV
+            image = engine.window.render_to_image()
+        return np.frombuffer(image.content, np.uint8).reshape(480, 640, -1)
+
+    return work
+
+
+def pyrender_poses():
+    os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+    np.infty = np.inf
+    import pyrender
+    import trimesh
+
+    loaded = trimesh.load(MODEL)
+    scene = pyrender.Scene()
+    for mesh in loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]:
+        scene.add(pyrender.Mesh.from_trimesh(mesh))
+    node = scene.add(pyrender.PerspectiveCamera(yfov=np.radians(FOV), aspectRatio=4 / 3))
+    scene.add(pyrender.DirectionalLight(intensity=3))
+    renderer = pyrender.OffscreenRenderer(640, 480)
+
+    def work():
+        for pose in around():
+            scene.set_pose(node, pose)
+            color, _ = renderer.render(scene)
+        return color
+
+    return work
 
 
 if __name__ == "__main__":

@@ -109,6 +109,33 @@ def test_k_projects_points_where_opencv_does():
     assert abs(columns.mean() + 0.5 - x) < 0.5 and abs(rows.mean() + 0.5 - y) < 0.5
 
 
+@pytest.mark.parametrize("axes", ["opencv", "opengl"])
+@pytest.mark.parametrize("calibrated", [False, True])
+def test_project_is_the_inverse_of_a_picture(assets, axes, calibrated):
+    scene = texmap.load(assets / "models" / "head.obj")
+    pose = texmap.look_at((2, 1.5, 5), axes=axes)
+    k = np.array([[90.0, 0, 40], [0, 85, 33], [0, 0, 1]]) if calibrated else None
+    camera = texmap.Poses(pose, axes, K=k, fov=None if calibrated else 50)
+    frame = scene.render(camera, (80, 60), aovs=["position", "inv_w"])
+    rows, columns = np.nonzero(np.isfinite(frame["inv_w"]))
+    assert len(rows) > 300
+    uv, w = texmap.project(frame["position"][rows, columns], camera, (80, 60))
+    assert np.abs(uv[:, 0] * 80 - columns - 0.5).max() < 1e-2 and np.abs((1 - uv[:, 1]) * 60 - rows - 0.5).max() < 1e-2
+    assert np.abs(w * frame["inv_w"][rows, columns] - 1).max() < 1e-4
+    behind, _ = texmap.project([pose[:3, 3] * 2], camera, (80, 60))
+    assert (behind == -1).all()
+    world_to_camera = texmap.Poses(np.linalg.inv(pose), axes, K=k, world_to_camera=True, fov=None if calibrated else 50)
+    assert np.allclose(texmap.project(frame["position"][rows, columns], world_to_camera, (80, 60))[0], uv, atol=1e-4)
+
+
+def test_look_at_refuses_what_has_no_view():
+    for eye, up in (((0, 0, 0), (0, 1, 0)), ((0, 5, 0), (0, 1, 0)), ((1, 0, 0), (0, 0, 0))):
+        with pytest.raises(ValueError, match="no view"):
+            texmap.look_at(eye, up=up)
+    with pytest.raises(ValueError, match="K or fov"):
+        texmap.project([[0, 0, 0]], texmap.Poses(texmap.look_at((0, 0, 3)), "opencv"), (8, 8))
+
+
 def test_arrays_make_the_scene_that_a_file_makes(tmp_path, assets, rng):
     points, faces = icosphere(1)
     uv = rng.uniform(size=(len(points), 2)).astype(np.float32)

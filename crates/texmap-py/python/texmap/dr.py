@@ -20,7 +20,8 @@ from ._arrays import array, output
 
 __all__ = [
     "DepthPeeler", "RasterizeContext", "RasterizeCudaContext", "RasterizeGLContext", "antialias",
-    "antialias_construct_topology_hash", "interpolate", "rasterize", "texture", "texture_construct_mip",
+    "antialias_construct_topology_hash", "get_log_level", "interpolate", "rasterize", "set_log_level", "texture",
+    "texture_construct_mip",
 ]  # fmt: skip
 
 
@@ -39,6 +40,19 @@ class RasterizeContext:
 
 RasterizeCudaContext = RasterizeContext
 RasterizeGLContext = RasterizeContext
+
+_log_level = 1
+
+
+def get_log_level() -> int:
+    """The number that was set; nothing is logged."""
+    return _log_level
+
+
+def set_log_level(level: int) -> None:
+    """Keeps a number; nothing is logged."""
+    global _log_level
+    _log_level = level
 
 
 def _is_tensor(thing: Any) -> bool:
@@ -403,7 +417,7 @@ def texture(
     if mips:
         if mip is not None:
             if not isinstance(mip, Mipmap):
-                raise ValueError("mip: expected what texmap.dr.texture_construct_mip gives")
+                raise ValueError("mip: expected what texmap.dr.texture_construct_mip gives; lists of levels are not supported")
             if mip._shape != texels.shape or mip._cube != cube:
                 raise ValueError(f"mip: made of a texture of shape {mip._shape}, tex has {texels.shape}")
             if max_mip_level is None:
