@@ -51,16 +51,19 @@ fn digits(hasher: &blake3::Hasher) -> String {
     format!("blake3:{}", &hex[..32])
 }
 
+/// Size and time of a file when it was read, and its mark.
+type Known = (u64, Option<SystemTime>, FileMark);
+
 /// Marks of files that were read before, by their size and time: many items share textures.
 #[derive(Debug, Default)]
-pub(crate) struct Marks(Mutex<BTreeMap<PathBuf, (u64, Option<SystemTime>, FileMark)>>);
+pub(crate) struct Marks(Mutex<BTreeMap<PathBuf, Known>>);
 
 impl Marks {
     /// The mark of a regular file; `None` for others and those that cannot be read.
     pub(crate) fn of(&self, path: &Path) -> Option<FileMark> {
         let now = fs::metadata(path).ok().filter(fs::Metadata::is_file)?;
         let (bytes, time) = (now.len(), now.modified().ok());
-        let known = |all: &BTreeMap<PathBuf, (u64, Option<SystemTime>, FileMark)>| {
+        let known = |all: &BTreeMap<PathBuf, Known>| {
             let (size, then, mark) = all.get(path)?;
             (*size == bytes && time.is_some() && *then == time).then(|| mark.clone())
         };

@@ -40,7 +40,7 @@ pub(crate) enum UnitPart {
     Page(String),
 }
 
-/// What is given out to shards and jobs.
+/// A part of the batch that is given out to a shard and a job.
 #[derive(Clone, Debug)]
 pub(crate) struct Unit {
     pub(crate) id: String,

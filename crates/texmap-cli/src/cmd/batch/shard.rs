@@ -225,10 +225,9 @@ impl Engine {
         })?;
         let told = match self.count {
             Count::Told(name) => number(name),
-            Count::Last(name) => match number(name) {
-                None => None,
-                Some(last) => Some(last.checked_sub(first).map_or(0, |l| l / step + 1)),
-            },
+            Count::Last(name) => {
+                number(name).map(|last| last.checked_sub(first).map_or(0, |l| l / step + 1))
+            }
             Count::Unknown => None,
         };
         let count = match (told, given) {

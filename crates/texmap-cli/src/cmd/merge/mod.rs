@@ -25,7 +25,7 @@ use shards::{Report, read, unite};
 /// Refuses shards of different versions, settings or items, and units that two shards have, by name. Nothing is written then.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Where all wrote to one folder:  texmap merge out -o out\n\
+    after_help = "One folder for all machines:    texmap merge out -o out\n\
                   A folder from each machine:     texmap merge part-1 part-2 part-3 -o out\n\
                   Exit code 75 while shards are missing, 3 when units have failed: the others are joined."
 )]
