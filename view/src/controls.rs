@@ -11,7 +11,7 @@ const FILTERS: [Filter; 5] = [
     Filter::Bilinear,
     Filter::Trilinear,
     Filter::Anisotropic(16),
-    Filter::Ewa(16),
+    Filter::ewa(16),
 ];
 const INTERPS: [Interp; 4] = [
     Interp::Perspective,
