@@ -210,8 +210,11 @@ fn a_captured_room_is_mirrored() {
     let led = error("env room.exr cube 1 box -2 -2 -2 2 2 2 at 0 0 0");
     assert!(led * 4.0 < far && far > 10.0, "{led} {far}");
     assert_eq!(desk.picture("mirror.rays.png").dimensions(), (96, 72));
-    // A map of reflectivity needs coordinates, and the program says so.
-    desk.put("mirror.scene", placed("env room.exr cube 1 map check.png"));
+    // A map of reflectivity needs coordinates, which `f` faces have none of, and the program says so.
+    desk.put(
+        "mirror.scene",
+        room("env room.exr cube 1 map check.png\nf 0 1 2\n"),
+    );
     let told = desk
         .texmap("render mirror.scene -o a.png --resolution 32x24")
         .ok();
@@ -297,7 +300,7 @@ fn compressed_textures_are_drawn() {
         assert!(size < 64.0 * 48.0 * bytes * 1.4 + 300.0, "{format}: {size}");
         let drawn = picture("photo.dds");
         // Small levels have all colours in one block, which two ends of BC1 and BC3 do not hold.
-        let allowed = if format == "bc7" { 40 } else { 100 };
+        let allowed = if format == "bc7" { 60 } else { 100 };
         let apart = largest(&drawn, &whole);
         assert!(apart < allowed, "{format}: {apart}");
         assert_ne!(drawn, whole);

@@ -80,7 +80,7 @@ struct Compressed {
 pub(crate) fn run(args: &CompressArgs) -> Result<Exit, Failure> {
     formats::ending("-o", &args.output, &["dds"])?;
     one_stdout(args.json, &args.output)?;
-    distinct(&[args.output.clone()], [&args.image])?;
+    distinct([&args.output], [&args.image])?;
     let format = match args.format {
         Format::Bc1 => BlockFormat::Bc1,
         Format::Bc3 => BlockFormat::Bc3,

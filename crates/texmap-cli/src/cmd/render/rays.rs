@@ -99,8 +99,9 @@ pub(super) fn compare(scene: &Scene, frame: &Frame) -> Result<(Picture, RaysRepo
             };
             let bin = &mut bins[((part * BINS as f64) as usize).min(BINS - 1)];
             bin.pixels += 1;
-            for k in 4 * i..4 * i + 3 {
-                let apart = (f64::from(frame.rgba[k]) - codes[k]).abs();
+            let range = 4 * i..4 * i + 3;
+            for (got, code) in frame.rgba[range.clone()].iter().zip(&codes[range]) {
+                let apart = (f64::from(*got) - code).abs();
                 bin.mean += apart / 3.0;
                 bin.largest = bin.largest.max(apart);
             }
