@@ -33,7 +33,12 @@ fn every_committed_scene_and_model_loads_without_a_warning() {
                 continue;
             }
             seen += 1;
-            let run = run(&root(), &["render", path.to_str().unwrap(), "--dry-run"]).ok();
+            let mut args = vec!["render", path.to_str().unwrap(), "--dry-run"];
+            // Its maps of the ambient colour and the exponent are those of the classic model.
+            if path.ends_with("plate.obj") {
+                args.push("--shading=classic");
+            }
+            let run = run(&root(), &args).ok();
             let text = String::from_utf8(run.stdout).unwrap();
             assert!(!text.contains("warning"), "{}: {text}", path.display());
         }

@@ -139,7 +139,7 @@ mod tests {
             ("shadow 0", "out-of-range", 8),
             ("shadow 512 taps 4", "out-of-range", 17),
             ("shadow 512 soft 4", "unknown-word", 12),
-            ("shadow auto taps", "not-a-number", 1),
+            ("shadow auto taps", "argument-count", 1),
             ("shadow auto area 0 0 0 0", "out-of-range", 24),
             ("shadow area 0 0 x 1", "not-a-number", 17),
             (

@@ -263,7 +263,7 @@ mod tests {
             ("displace h.png 1 pixels nan", "not-finite", 25),
             ("displace h.png 1 inches 2", "unknown-word", 18),
             ("displace h.png 1 triangles 0", "out-of-range", 28),
-            ("displace h.png 1 texels", "not-a-number", 1),
+            ("displace h.png 1 texels", "argument-count", 1),
             ("terrain h.png 0 0 0 1 1", "argument-count", 1),
             ("terrain h.png 0 0 0 1 1 0", "out-of-range", 25),
             ("terrain h.png 0 0 0 1 1 1 step 0.5", "out-of-range", 32),

@@ -146,6 +146,9 @@ impl<'a> Args<'a> {
                         let all = options.iter().map(|args| usage(args, ""));
                         self.unknown(at, all.collect::<Vec<_>>().join(", "))
                     })?;
+                    if self.tokens.len() - at < range(option).0 {
+                        return Err(self.count_error(usize::MAX, usage_or_none(self.spec.args)));
+                    }
                     at = self.list(option, at, false)?;
                 }
                 return Ok(at);
