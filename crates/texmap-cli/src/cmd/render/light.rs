@@ -241,7 +241,7 @@ fn environment(env: &Env, up: Up) -> Result<EnvironmentLight, Failure> {
 mod tests {
     use super::*;
     use texmap_math::Camera;
-    use texmap_scene::{Mesh, MetallicRoughness, Shading};
+    use texmap_scene::{Mesh, MetallicRoughness};
 
     fn args() -> LightArgs {
         LightArgs {
