@@ -12,10 +12,13 @@ are read in place, others are copied once.
 ``texmap.dr`` has the forward interface of nvdiffrast, ``texmap.grad`` gradients with respect to texels and attributes.
 """
 
+from ._cameras import Camera, Poses, look_at, project
 from ._image import diff, homography, perspective_interpolate, warp
 from ._light import bake, env
+from ._meshes import Material, Mesh
 from ._picture import write_png
-from ._scene import Camera, Frame, Light, Material, Mesh, Poses, Scene, TexmapWarning, load, look_at, pixel_hash, project, render
+from ._render import Frame, pixel_hash, render
+from ._scene import Light, Scene, TexmapWarning, load
 from ._texmap import __version__
 from ._texture import Texture, sample
 from ._uv import Unwrapped, UvReport, tangents, unwrap, uv_map, uv_raster, uv_report

@@ -8,7 +8,8 @@ import numpy as np
 
 from . import _texmap
 from ._arrays import array, pixels
-from ._scene import _as_scene, _linear
+from ._meshes import _linear
+from ._scene import _as_scene
 
 
 def bake(

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _texmap
 from ._arrays import bottom_up, shaped, size_of
-from ._scene import Mesh, _mesh_of
+from ._meshes import Mesh, _mesh_of
 
 
 class Unwrapped(NamedTuple):
