@@ -149,7 +149,7 @@ mod tests {
             ("env a.png ball 1", "unknown-word", 11),
             ("env a.png cube 2", "out-of-range", 16),
             ("env a.png cube 1 box 0 0 0 1 1 0", "out-of-range", 32),
-            ("env a.png cube 1 box 0 0 0 1 1", "not-a-number", 1),
+            ("env a.png cube 1 box 0 0 0 1 1", "argument-count", 1),
             ("specmap a.png cube -1", "out-of-range", 20),
         ]);
     }
