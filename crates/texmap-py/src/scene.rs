@@ -112,7 +112,7 @@ pub(crate) fn load(
     let read = |path: &Path| {
         let mut scene = texmap_io::load(path, &options)?;
         if !scene_file {
-            light(&mut scene, up);
+            framing::light_as_model(&mut scene, up);
         }
         Ok(scene)
     };
@@ -124,17 +124,6 @@ pub(crate) fn load(
         up,
         has_mips: false,
     }))
-}
-
-/// Gives a model its surfaces and its light.
-fn light(scene: &mut texmap_scene::Scene, up: Up) {
-    if scene.color == ColorMode::Srgb {
-        framing::metallic_surfaces(scene);
-    }
-    framing::light_model(scene, up, false);
-    if scene.lights.is_empty() && framing::needs_lights(scene) {
-        scene.lights = framing::auto_lights(up);
-    }
 }
 
 fn triples(array: &PyReadonlyArray1<'_, f32>) -> PyResult<Vec<[f32; 3]>> {
