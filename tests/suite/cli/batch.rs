@@ -652,8 +652,8 @@ mod kills {
                     status = child.try_wait().unwrap();
                     sleep(Duration::from_millis(2));
                 }
-                if status.is_some() {
-                    assert_eq!(status.unwrap().code(), Some(0), "round {round}");
+                if let Some(status) = status {
+                    assert_eq!(status.code(), Some(0), "round {round}");
                     break;
                 }
                 let mut all = children(child.id());
