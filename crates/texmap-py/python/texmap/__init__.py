@@ -12,6 +12,7 @@ are read in place, others are copied once.
 ``texmap.dr`` has the forward interface of nvdiffrast, ``texmap.grad`` gradients with respect to texels and attributes.
 """
 
+from ._batch import batch
 from ._cameras import Camera, Poses, look_at, project
 from ._image import diff, homography, perspective_interpolate, warp
 from ._light import bake, env
@@ -25,6 +26,6 @@ from ._uv import Unwrapped, UvReport, tangents, unwrap, uv_map, uv_raster, uv_re
 
 __all__ = [
     "Camera", "Frame", "Light", "Material", "Mesh", "Poses", "Scene", "TexmapWarning", "Texture", "Unwrapped", "UvReport",
-    "__version__", "bake", "diff", "env", "homography", "load", "look_at", "perspective_interpolate", "pixel_hash", "project", "render",
+    "__version__", "bake", "batch", "diff", "env", "homography", "load", "look_at", "perspective_interpolate", "pixel_hash", "project", "render",
     "sample", "tangents", "unwrap", "uv_map", "uv_raster", "uv_report", "warp", "write_png",
 ]  # fmt: skip
