@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// What the program was asked to do.
+/// The arguments of the program.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Arguments {
     pub(crate) file: PathBuf,

@@ -25,7 +25,7 @@ pub struct Draw {
     camera: Option<CameraAt>,
     /// An array to show beside the picture.
     aov: Option<String>,
-    /// What the picture is compared with.
+    /// The picture that this one is compared with.
     reference: Option<Reference>,
     /// Texels a side of the texture, where shifts of it are measured.
     texels: Option<f64>,

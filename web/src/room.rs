@@ -11,7 +11,7 @@ use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole, Textu
 
 use crate::load::Files;
 
-/// What a player does in one step.
+/// The input of a player in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
     /// Sum of [`FORWARD`](Self::FORWARD) and the others.
@@ -81,7 +81,7 @@ const COW: f64 = 2.2;
 
 /// Least and largest x and y that the floor has.
 const FLOOR: [f64; 4] = [-20.0, -20.0, 15.0, 20.0];
-/// What stands on it: pillar, the wall left and right of the door, fence, plant.
+/// Things on it: pillar, the wall left and right of the door, fence, plant.
 const SOLID: [[f64; 4]; 5] = [
     [5.0, 10.0, 10.0, 15.0],
     [-20.0, -0.4, -4.0, 0.4],

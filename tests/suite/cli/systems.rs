@@ -11,7 +11,7 @@ fn largest(a: &RgbaImage, b: &RgbaImage) -> u8 {
     each.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
 }
 
-/// Where the spot stands in each of three frames: position and the point that it shines at.
+/// The spot in each of three frames: its position and the point that it shines at.
 const STOPS: [([f32; 3], [f32; 3]); 3] = [
     ([-1.5, 3.0, 0.5], [-1.0, 0.0, 0.0]),
     ([0.0, 2.5, 1.5], [0.2, 0.0, 0.6]),

@@ -314,7 +314,7 @@ fn compressed(texture: &Texture2d<'_>, format: BlockFormat, path: &Path) -> Text
     read_texture(path, ColorSpace::Linear).unwrap().0
 }
 
-/// What the encoder writes is read: a ramp comes back within the steps of its format, which are coarser for BC1 than for BC7.
+/// Files of the encoder are read: a ramp comes back within the steps of its format, which are coarser for BC1 than for BC7.
 #[test]
 fn compressed_ramps_come_back() {
     let dir = tempfile::tempdir().unwrap();
