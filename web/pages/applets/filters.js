@@ -11,7 +11,7 @@ export default {
     { id: 'pixel', kind: 'points', label: 'Pixel', value: [[0.5, 0.45]], names: ['+'] },
     { id: 'tilt', kind: 'range', label: 'Tilt', unit: '°', min: 0, max: 45, step: 1, value: 2 },
     { id: 'repeat', kind: 'range', label: 'Pictures across', min: 1, max: 24, step: 1, value: 8 },
-    { id: 'window', kind: 'range', label: 'Window', unit: 'texels', min: 8, max: 512, step: 1, value: 96 },
+    { id: 'window', kind: 'range', label: 'Window', unit: 'texels', min: 8, max: 512, step: 1, value: 24 },
     texture,
   ],
   files: (c) => [c.texture],
