@@ -20,14 +20,18 @@ def batch(items: Union[Path, Iterable[Path]], output: Path, verb: str = "render"
     Raises ``ValueError`` with the program's words if the batch as a whole cannot be run.
     """
     several = [items] if isinstance(items, (str, os.PathLike)) else list(items)
-    command = [sys.executable, "-m", "texmap", "--quiet", "batch", verb, *map(os.fspath, several), "-o", os.fspath(output), "--json"]
+    where = os.fspath(output)
+    if "{" not in where and not os.path.splitext(where)[1]:
+        where = os.path.join(where, "")
+    command = [sys.executable, "-m", "texmap", "--quiet", "batch", verb, *map(os.fspath, several), "-o", where, "--json"]
     for name, value in settings.items():
         if value is not None and value is not False:
             flag = "--" + name.replace("_", "-")
             command.append(flag if value is True else f"{flag}={value}")
     done = subprocess.run(command, capture_output=True, text=True)
-    lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
-    units = [line for line in lines if "id" in line and "status" in line]
+    # A line for each unit and a summary; the report of a batch that cannot be run has several lines.
+    lines = [line for line in done.stdout.splitlines() if line.startswith('{"')]
+    units = [unit for unit in map(json.loads, lines) if "id" in unit and "status" in unit]
     if not units:
         raise ValueError(done.stderr.strip() or f"the batch ended with exit code {done.returncode}")
     return sorted(units, key=lambda unit: unit["index"])
