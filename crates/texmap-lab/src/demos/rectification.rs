@@ -121,7 +121,7 @@ pub(super) fn rectification(size: u32) -> Result<DemoPicture, LabError> {
             f64::from(worst.unwrap_or(255)), 0.0, 2.0;
     };
     let panels = panels! {
-        facade => "The plane", "What a camera in front of it would see.";
+        facade => "The plane", "As a camera in front of it sees it.";
         photo => "A photo of it", "No texture: its distances are those of a perspective.";
         naive => "Weights of the four corners", "Cells that are equal come out unequal: the far ones are too small.";
         cured => "A homography of the four points", "The plane again; the far side has lost detail, which no map gives back.";
