@@ -85,7 +85,7 @@ def look_at(eye: Vector, target: Vector = (0.0, 0.0, 0.0), up: Vector = (0.0, 1.
 
 
 def project(points: Any, camera: Poses, size: Any) -> Tuple[np.ndarray, np.ndarray]:
-    """Where a calibrated camera sees points of the world.
+    """Coordinates at which a calibrated camera sees points of the world.
 
     points (..., 3); camera: :class:`Poses` of one pose with ``K`` or ``fov``; size (width, height) of the picture.
 
