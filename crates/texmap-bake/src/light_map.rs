@@ -60,7 +60,130 @@ impl<'s> Baker<'s> {
     /// # Errors
     /// Those of [`bake`], but for faults of the scene.
     pub fn bake(&self, mesh: usize, options: &BakeOptions<'_>) -> Result<LightMap, RenderError> {
-        bake_checked(self.scene, mesh, options)
+        let scene = self.scene;
+        let count = scene.meshes.len();
+        let mesh = scene.meshes.get(mesh).ok_or(SceneError::Index {
+            place: "bake".to_owned(),
+            what: "mesh",
+            index: mesh as u64,
+            count,
+        })?;
+        let uvs = if mesh.lightmap_uvs.is_empty() {
+            &mesh.uvs
+        } else {
+            &mesh.lightmap_uvs
+        };
+        if uvs.is_empty() {
+            return Err(SceneError::MissingUv {
+                mesh: mesh.name.clone(),
+                material: "a light map".to_owned(),
+            }
+            .into());
+        }
+        let refused = |error| match error {
+            RasterError::Memory(refused) => RenderError::Memory(refused),
+            error => RenderError::Raster {
+                mesh: mesh.name.clone(),
+                error,
+            },
+        };
+        let normals: Vec<[f32; 3]> = mesh
+            .world_normals()
+            .iter()
+            .map(|n| n.to_array().map(|c| c as f32))
+            .collect();
+        let positions: Vec<[f32; 3]> = mesh
+            .positions
+            .iter()
+            .map(|p| {
+                let p = DVec3::from(p.map(f64::from));
+                let world = mesh.world_from_object.transform_point3(p);
+                world.to_array().map(|c| c as f32)
+            })
+            .collect();
+        let atlas = Atlas::new(
+            TargetSize::new(options.size, options.size).map_err(refused)?,
+            &AtlasMesh {
+                uvs,
+                positions: &positions,
+                normals: &normals,
+                indices: &mesh.triangles,
+                bottom_up: mesh.uv_origin == Origin::BottomLeft,
+            },
+            AtlasOptions {
+                conservative: true,
+                gutter: options.gutter,
+                threads: rayon::current_num_threads(),
+                memory: MemoryBudget::of_process(),
+            },
+        )
+        .map_err(refused)?;
+        let flat = mesh.triangle_normals();
+        let matte = PhongMaterial {
+            color: [1.0; 3],
+            ka: 1.0,
+            kd: 1.0,
+            ks: 0.0,
+            ns: 1.0,
+        };
+        let counts = |light: usize| options.lights.is_none_or(|all| all.contains(&light));
+        let lights: Vec<_> = scene
+            .lights
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| counts(*i))
+            .map(|(i, light)| (i, *light))
+            .collect();
+        let (numbers, lights): (Vec<usize>, Vec<_>) = lights.into_iter().unzip();
+        let eye = scene.camera.eye.to_array().map(|c| c as f32);
+        let width = options.size as usize;
+        let size = options.size;
+        MemoryBudget::of_process().ask(
+            (atlas.face.len() * size_of::<[f32; 3]>()) as u64,
+            format_args!("a light map of {size} x {size} texels"),
+            "take a smaller light map",
+        )?;
+        let mut texels = vec![[0.0; 3]; atlas.face.len()];
+        texels
+            .par_chunks_mut(width)
+            .enumerate()
+            .for_each(|(row, out)| {
+                for (x, texel) in out.iter_mut().enumerate() {
+                    let at = row * width + x;
+                    if atlas.coverage[at] == Coverage::None {
+                        continue;
+                    }
+                    let (point, normal) = (atlas.position[at], atlas.normal[at]);
+                    let plane = flat[atlas.face[at] as usize];
+                    let received = |light: usize| {
+                        let light = numbers[light];
+                        let mut share = 1.0;
+                        for (_, map, bias, pcf_size) in
+                            options.shadows.iter().filter(|s| s.0 == light)
+                        {
+                            let point = DVec3::from(point.map(f64::from));
+                            share *= map.visibility(point, plane, *bias, *pcf_size);
+                        }
+                        [share; 3]
+                    };
+                    *texel = shade_with_visibility(
+                        &matte,
+                        SpecularModel::Phong,
+                        &lights,
+                        point,
+                        normal,
+                        eye,
+                        received,
+                    )
+                    .diffuse;
+                }
+            });
+        Ok(LightMap {
+            size: options.size,
+            texels,
+            coverage: atlas.coverage,
+            lost: atlas.lost,
+        })
     }
 }
 
@@ -82,135 +205,6 @@ pub fn bake(
     options: &BakeOptions<'_>,
 ) -> Result<LightMap, RenderError> {
     Baker::new(scene)?.bake(mesh, options)
-}
-
-fn bake_checked(
-    scene: &Scene,
-    mesh: usize,
-    options: &BakeOptions<'_>,
-) -> Result<LightMap, RenderError> {
-    let count = scene.meshes.len();
-    let mesh = scene.meshes.get(mesh).ok_or(SceneError::Index {
-        place: "bake".to_owned(),
-        what: "mesh",
-        index: mesh as u64,
-        count,
-    })?;
-    let uvs = if mesh.lightmap_uvs.is_empty() {
-        &mesh.uvs
-    } else {
-        &mesh.lightmap_uvs
-    };
-    if uvs.is_empty() {
-        return Err(SceneError::MissingUv {
-            mesh: mesh.name.clone(),
-            material: "a light map".to_owned(),
-        }
-        .into());
-    }
-    let refused = |error| match error {
-        RasterError::Memory(refused) => RenderError::Memory(refused),
-        error => RenderError::Raster {
-            mesh: mesh.name.clone(),
-            error,
-        },
-    };
-    let normals: Vec<[f32; 3]> = mesh
-        .world_normals()
-        .iter()
-        .map(|n| n.to_array().map(|c| c as f32))
-        .collect();
-    let positions: Vec<[f32; 3]> = mesh
-        .positions
-        .iter()
-        .map(|p| {
-            let p = DVec3::from(p.map(f64::from));
-            let world = mesh.world_from_object.transform_point3(p);
-            world.to_array().map(|c| c as f32)
-        })
-        .collect();
-    let atlas = Atlas::new(
-        TargetSize::new(options.size, options.size).map_err(refused)?,
-        &AtlasMesh {
-            uvs,
-            positions: &positions,
-            normals: &normals,
-            indices: &mesh.triangles,
-            bottom_up: mesh.uv_origin == Origin::BottomLeft,
-        },
-        AtlasOptions {
-            conservative: true,
-            gutter: options.gutter,
-            threads: rayon::current_num_threads(),
-            memory: MemoryBudget::of_process(),
-        },
-    )
-    .map_err(refused)?;
-    let flat = mesh.triangle_normals();
-    let matte = PhongMaterial {
-        color: [1.0; 3],
-        ka: 1.0,
-        kd: 1.0,
-        ks: 0.0,
-        ns: 1.0,
-    };
-    let counts = |light: usize| options.lights.is_none_or(|all| all.contains(&light));
-    let lights: Vec<_> = scene
-        .lights
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| counts(*i))
-        .map(|(i, light)| (i, *light))
-        .collect();
-    let (numbers, lights): (Vec<usize>, Vec<_>) = lights.into_iter().unzip();
-    let eye = scene.camera.eye.to_array().map(|c| c as f32);
-    let width = options.size as usize;
-    let size = options.size;
-    MemoryBudget::of_process().ask(
-        (atlas.face.len() * size_of::<[f32; 3]>()) as u64,
-        format_args!("a light map of {size} x {size} texels"),
-        "take a smaller light map",
-    )?;
-    let mut texels = vec![[0.0; 3]; atlas.face.len()];
-    texels
-        .par_chunks_mut(width)
-        .enumerate()
-        .for_each(|(row, out)| {
-            for (x, texel) in out.iter_mut().enumerate() {
-                let at = row * width + x;
-                if atlas.coverage[at] == Coverage::None {
-                    continue;
-                }
-                let (point, normal) = (atlas.position[at], atlas.normal[at]);
-                let plane = flat[atlas.face[at] as usize];
-                let received = |light: usize| {
-                    let light = numbers[light];
-                    let mut share = 1.0;
-                    for (_, map, bias, pcf_size) in options.shadows.iter().filter(|s| s.0 == light)
-                    {
-                        let point = DVec3::from(point.map(f64::from));
-                        share *= map.visibility(point, plane, *bias, *pcf_size);
-                    }
-                    [share; 3]
-                };
-                *texel = shade_with_visibility(
-                    &matte,
-                    SpecularModel::Phong,
-                    &lights,
-                    point,
-                    normal,
-                    eye,
-                    received,
-                )
-                .diffuse;
-            }
-        });
-    Ok(LightMap {
-        size: options.size,
-        texels,
-        coverage: atlas.coverage,
-        lost: atlas.lost,
-    })
 }
 
 impl LightMap {

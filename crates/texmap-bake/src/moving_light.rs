@@ -5,7 +5,7 @@ use texmap_render::{RenderError, shadow_map_for};
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, Texture2d};
 use texmap_scene::{Scene, SceneError, shadow_bias, shadow_kind};
 
-use crate::{BakeOptions, bake};
+use crate::{BakeOptions, Baker};
 
 /// The light maps of a scene without the light that moves (Abrash 1997, "Graphics Programming Black Book", chapter 68: structure times light,
 /// with what rests and what moves in maps of their own).
@@ -108,7 +108,7 @@ impl MovingLight {
     /// Puts the light into the scene that [`MovingLight::new`] saw: into its list, and into its light maps.
     ///
     /// # Errors
-    /// Those of [`bake`] and of shadow maps.
+    /// Those of [`bake`](crate::bake) and of shadow maps.
     pub fn place(&self, scene: &mut Scene, light: Light) -> Result<(), RenderError> {
         let Some(own) = scene.lights.get_mut(self.light) else {
             return Ok(());
@@ -118,11 +118,12 @@ impl MovingLight {
             return Ok(());
         }
         let shadows = self.shadows(scene)?;
+        let baker = Baker::new(scene)?;
+        let mut textures = Vec::new();
         for resting in &self.resting {
             let mut texels = resting.texels.clone();
             for (mesh, scale) in &resting.meshes {
-                let map = bake(
-                    scene,
+                let map = baker.bake(
                     *mesh,
                     &BakeOptions {
                         size: resting.size,
@@ -150,10 +151,13 @@ impl MovingLight {
                 value: error.to_string(),
                 expected: "a light of finite brightness",
             })?;
-            scene.textures[resting.texture] = match resting.mips {
+            textures.push(match resting.mips {
                 true => texture.with_mips(),
                 false => texture,
-            };
+            });
+        }
+        for (resting, texture) in self.resting.iter().zip(textures) {
+            scene.textures[resting.texture] = texture;
         }
         Ok(())
     }
