@@ -338,9 +338,7 @@ impl Scene {
     fn light_as_model(&self) -> PyResult<()> {
         self.edit(|this| {
             framing::light_model(&mut this.scene, this.up, false);
-            if this.scene.lights.is_empty() && framing::needs_lights(&this.scene) {
-                this.scene.lights = framing::auto_lights(this.up);
-            }
+            framing::light_dark_surfaces(&mut this.scene, this.up);
             Ok(())
         })
     }

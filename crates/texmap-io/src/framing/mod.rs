@@ -14,7 +14,7 @@ use texmap_scene::Scene;
 
 pub use bounds::Bounds;
 pub use model_light::{
-    light_as_model, light_model, metallic_surfaces, needs_lights, reads_environment,
+    light_as_model, light_dark_surfaces, light_model, metallic_surfaces, reads_environment,
 };
 pub use studio::{light_by_studio, studio};
 

@@ -12,7 +12,11 @@ pub fn light_as_model(scene: &mut Scene, up: Up) {
         metallic_surfaces(scene);
     }
     light_model(scene, up, false);
-    // A model is never dark for want of light.
+    light_dark_surfaces(scene, up);
+}
+
+/// Adds automatic lights where there are none and some surface is dark without: a model is never dark for want of light.
+pub fn light_dark_surfaces(scene: &mut Scene, up: Up) {
     if scene.lights.is_empty() && needs_lights(scene) {
         scene.lights = auto_lights(up);
     }
@@ -63,7 +67,7 @@ pub fn reads_environment(scene: &Scene) -> bool {
 
 /// True if some surface is dark without lights.
 #[must_use]
-pub fn needs_lights(scene: &Scene) -> bool {
+fn needs_lights(scene: &Scene) -> bool {
     let around = scene.effects.environment_light.is_some();
     let mut drawn = scene
         .meshes

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use texmap_io::framing::{
-    Up, auto_lights, light_model, metallic_surfaces, needs_lights, reads_environment, studio,
+    Up, auto_lights, light_dark_surfaces, light_model, metallic_surfaces, reads_environment, studio,
 };
 use texmap_light::{EnvironmentLayout, EnvironmentLight, ToneMap};
 use texmap_scene::{Background, ColorMode, Material, Scene};
@@ -189,9 +189,8 @@ impl LightArgs {
             }
             scene.effects.background = Some(Background::EnvironmentLight);
         }
-        // A model is never dark for want of light.
-        if !scene_file && scene.lights.is_empty() && needs_lights(scene) {
-            scene.lights = auto_lights(up);
+        if !scene_file {
+            light_dark_surfaces(scene, up);
         }
         Ok(())
     }
