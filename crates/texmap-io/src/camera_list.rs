@@ -6,9 +6,9 @@ use serde::Deserialize;
 use texmap_math::camera::{Camera, CameraError, Lens};
 use texmap_math::glam::DVec3;
 
-use crate::camera_path::broken_json;
 use crate::camera_pose::{CameraAxes, CameraPose, Intrinsics};
-use crate::{FileSource, IoError, SourceLocation};
+use crate::keyframes::{self, Fields};
+use crate::{FileSource, IoError};
 
 /// One camera of a list.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,17 +56,10 @@ impl CameraList {
     /// # Errors
     /// File errors, and [`IoError::BrokenPath`] with the position.
     pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
-        let text = files.read_text(path, FileSource::MAX_LIST)?;
-        let entries: Vec<Entry> =
-            serde_json::from_str(&text).map_err(|e| broken_json(path, &text, &e, FIELDS))?;
-        let list = Self {
+        Ok(Self {
             path: path.to_owned(),
-            entries,
-        };
-        match list.entries.is_empty() {
-            true => Err(list.broken("the list is empty".into())),
-            false => Ok(list),
-        }
+            entries: keyframes::read(path, files, &FIELDS)?,
+        })
     }
 
     /// The cameras of the list for pictures of `width` x `height` pixels. Fields that an entry lacks are those of `base`.
@@ -102,15 +95,15 @@ impl CameraList {
     }
 
     fn broken(&self, problem: String) -> IoError {
-        IoError::BrokenPath {
-            location: SourceLocation::new(&self.path, 1, 1),
-            problem,
-        }
+        keyframes::broken(&self.path, problem)
     }
 }
 
 /// Message for an unknown field.
-const FIELDS: &str = "a camera has the fields name, matrix, axes, world_to_camera, eye, look, up, fov, fx, fy, cx, cy, width, height and orthographic_width, and no other";
+const FIELDS: Fields = Fields {
+    known: "a camera has the fields name, matrix, axes, world_to_camera, eye, look, up, fov, fx, fy, cx, cy, width, height and orthographic_width, and no other",
+    list: "not a list of cameras",
+};
 
 impl Entry {
     fn camera(&self, base: &Camera, width: f64, height: f64) -> Result<Camera, String> {

@@ -6,7 +6,8 @@ use serde::Deserialize;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 
-use crate::{FileSource, IoError, SourceLocation};
+use crate::keyframes::{self, Fields, Leg};
+use crate::{FileSource, IoError};
 
 /// One keyframe of a walk, as in the JSON file.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -43,16 +44,8 @@ impl CameraPath {
     /// # Errors
     /// The same, and [`IoError::OutsideRoot`].
     pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
-        let text = files.read_text(path, FileSource::MAX_LIST)?;
-        let keyframes: Vec<Keyframe> =
-            serde_json::from_str(&text).map_err(|e| broken_json(path, &text, &e, FIELDS))?;
-        let broken = |problem: String| IoError::BrokenPath {
-            location: SourceLocation::new(path, 1, 1),
-            problem,
-        };
-        if keyframes.is_empty() {
-            return Err(broken("the list is empty".into()));
-        }
+        let keyframes: Vec<Keyframe> = keyframes::read(path, files, &FIELDS)?;
+        let broken = |problem| keyframes::broken(path, problem);
         for (i, keyframe) in keyframes.iter().enumerate() {
             let numbers = [keyframe.eye, keyframe.look, keyframe.up.unwrap_or_default()];
             if !numbers.as_flattened().iter().all(|x| x.is_finite()) {
@@ -74,17 +67,10 @@ impl CameraPath {
 
     /// The camera of frame `frame` of `frames`; the first frame stands on the first keyframe, the last on the last.
     pub fn camera(&self, scene: &Camera, frame: u32, frames: u32) -> Camera {
-        let last = self.keyframes.len() - 1;
-        let along = if frames > 1 {
-            f64::from(frame.min(frames - 1)) * last as f64 / f64::from(frames - 1)
-        } else {
-            0.0
-        };
-        let leg = (along as usize).min(last.saturating_sub(1));
-        let t = along - leg as f64;
+        let Leg { from, to, t } = Leg::of(self.keyframes.len(), frame, frames);
         let (a, b) = (
-            at(&self.keyframes[leg], scene),
-            at(&self.keyframes[(leg + 1).min(last)], scene),
+            at(&self.keyframes[from], scene),
+            at(&self.keyframes[to], scene),
         );
         let mix = |a: DVec3, b: DVec3| a * (1.0 - t) + b * t;
         Camera {
@@ -97,45 +83,10 @@ impl CameraPath {
     }
 }
 
-/// Message for an unknown field.
-const FIELDS: &str = "a keyframe has the fields eye, look, up and fov, and no other";
-
-/// A fault of a JSON list of keyframes or cameras, with its position.
-pub(crate) fn broken_json(
-    path: &Path,
-    text: &str,
-    error: &serde_json::Error,
-    fields: &'static str,
-) -> IoError {
-    // The end of a text that ends in a line feed is column 0 of a line that it does not have.
-    let last = text.lines().count().max(1);
-    let (line, column) = match error.line() {
-        line if line > last => (last, text.lines().last().map_or(0, str::len) + 1),
-        line => (line.max(1), error.column().max(1)),
-    };
-    IoError::BrokenPath {
-        location: SourceLocation::new(path, line as u32, column as u32),
-        problem: problem(error, fields),
-    }
-}
-
-/// The reader's message without quotations. The file may be no list at all, and its contents must not be shown.
-fn problem(error: &serde_json::Error, fields: &'static str) -> String {
-    let text = error.to_string();
-    let text = text.split(" at line ").next().unwrap_or_default();
-    if !error.is_data() || text.starts_with("missing field") {
-        text.into()
-    } else if text.starts_with("unknown field") {
-        fields.into()
-    } else if text.starts_with("duplicate field") {
-        "a field stands twice".into()
-    } else {
-        match fields == FIELDS {
-            true => "not a list of keyframes".into(),
-            false => "not a list of cameras".into(),
-        }
-    }
-}
+const FIELDS: Fields = Fields {
+    known: "a keyframe has the fields eye, look, up and fov, and no other",
+    list: "not a list of keyframes",
+};
 
 fn at(keyframe: &Keyframe, scene: &Camera) -> Camera {
     Camera {

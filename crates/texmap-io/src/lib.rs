@@ -46,6 +46,7 @@ mod grids;
 mod held;
 pub mod image_io;
 mod info;
+mod keyframes;
 mod light_path;
 mod models;
 pub mod npy;

@@ -6,8 +6,8 @@ use serde::Deserialize;
 use texmap_light::Light;
 use texmap_math::glam::DVec3;
 
-use crate::camera_path::broken_json;
-use crate::{FileSource, IoError, SourceLocation};
+use crate::keyframes::{self, Fields, Leg};
+use crate::{FileSource, IoError};
 
 /// One keyframe of a moving light, as in the JSON file. A number that is left out is that of the scene's light.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -29,8 +29,10 @@ pub struct LightPath {
     keyframes: Vec<LightKeyframe>,
 }
 
-const FIELDS: &str =
-    "a keyframe of a light has the fields position, look, direction and color, and no other";
+const FIELDS: Fields = Fields {
+    known: "a keyframe of a light has the fields position, look, direction and color, and no other",
+    list: "not a list of keyframes",
+};
 
 impl LightPath {
     /// Reads a JSON list of keyframes, at least one.
@@ -39,16 +41,7 @@ impl LightPath {
     /// File errors, and [`IoError::BrokenPath`] with the position: no such list, a number that is not finite, a colour below 0, a
     /// direction of length 0, `look` and `direction` together.
     pub fn read_from(path: &Path, files: &FileSource) -> Result<Self, IoError> {
-        let text = files.read_text(path, FileSource::MAX_LIST)?;
-        let keyframes: Vec<LightKeyframe> =
-            serde_json::from_str(&text).map_err(|e| broken_json(path, &text, &e, FIELDS))?;
-        let broken = |problem: String| IoError::BrokenPath {
-            location: SourceLocation::new(path, 1, 1),
-            problem,
-        };
-        if keyframes.is_empty() {
-            return Err(broken("the list is empty".into()));
-        }
+        let keyframes: Vec<LightKeyframe> = keyframes::read(path, files, &FIELDS)?;
         for (i, k) in keyframes.iter().enumerate() {
             let mut numbers = [k.position, k.look, k.direction, k.color]
                 .into_iter()
@@ -65,7 +58,7 @@ impl LightPath {
             } else {
                 continue;
             };
-            return Err(broken(format!("keyframe {i}: {problem}")));
+            return Err(keyframes::broken(path, format!("keyframe {i}: {problem}")));
         }
         Ok(Self { keyframes })
     }
@@ -74,19 +67,9 @@ impl LightPath {
     /// last. `None` for an ambient light, which has no place.
     #[must_use]
     pub fn light(&self, resting: &Light, frame: u32, frames: u32) -> Option<Light> {
-        let last = self.keyframes.len() - 1;
-        let along = if frames > 1 {
-            f64::from(frame.min(frames - 1)) * last as f64 / f64::from(frames - 1)
-        } else {
-            0.0
-        };
-        let leg = (along as usize).min(last.saturating_sub(1));
-        let t = along - leg as f64;
-        let from = Place::of(resting)?;
-        let (a, b) = (
-            from.at(&self.keyframes[leg]),
-            from.at(&self.keyframes[(leg + 1).min(last)]),
-        );
+        let Leg { from, to, t } = Leg::of(self.keyframes.len(), frame, frames);
+        let rest = Place::of(resting)?;
+        let (a, b) = (rest.at(&self.keyframes[from]), rest.at(&self.keyframes[to]));
         let mix = |a: DVec3, b: DVec3| a * (1.0 - t) + b * t;
         let place = Place {
             position: mix(a.position, b.position),
