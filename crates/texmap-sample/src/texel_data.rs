@@ -75,24 +75,12 @@ impl Format {
         }
     }
 
-    /// Appends one texel given in unscaled values (integers are rounded half up and clamped).
+    /// Appends one texel given in unscaled values: a [row](Self::push_row) of one.
     pub(crate) fn push(self, words: &mut Vec<u32>, c: [f32; 4]) {
-        match self {
-            Self::Rgba8 => {
-                let [r, g, b, a] = rounded_words(c, 255.0);
-                words.push(r | g << 8 | b << 16 | a << 24);
-            }
-            Self::Rgba16 => {
-                let [r, g, b, a] = rounded_words(c, 65535.0);
-                words.push(r | g << 16);
-                words.push(b | a << 16);
-            }
-            Self::Rgba32 => words.extend(c.map(f32::to_bits)),
-            Self::R32 => words.push(c[0].to_bits()),
-        }
+        self.push_row(words, &[c]);
     }
 
-    /// Appends a row of texels: [`push`](Self::push) for each.
+    /// Appends a row of texels given in unscaled values (integers are rounded half up and clamped).
     pub(crate) fn push_row(self, words: &mut Vec<u32>, row: &[[f32; 4]]) {
         match self {
             Self::Rgba8 => words.extend(row.iter().map(|c| {
