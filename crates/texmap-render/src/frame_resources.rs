@@ -8,10 +8,10 @@ use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::{MemoryBudget, Projector, narrow};
 use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind};
 
-use crate::shade::projector::Projected;
 use crate::shadow::shadow_map_in;
 use crate::{RenderError, RenderSettings};
 use texmap_scene::{ProjectorLight, ProjectorMode, Scene};
+use texmap_shade::projector::Projected;
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
 #[derive(Debug)]

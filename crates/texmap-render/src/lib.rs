@@ -76,7 +76,6 @@ mod plan;
 mod render;
 mod resolve;
 mod settings;
-mod shade;
 mod shadow;
 mod shadow_alpha_test;
 mod stopwatch;

@@ -16,15 +16,15 @@ use texmap_raster::{AlphaTest, DrawCall, Fragment, UvBlock};
 use texmap_sample::Origin;
 
 use crate::frame_resources::FrameResources;
-use crate::shade::compose::Display;
-use crate::shade::coordinates::{Coordinates, EyeRays};
-use crate::shade::sky::{Sky, SkyStage};
-use crate::shade::unlit::UnlitColor;
-use crate::shade::volume::VolumeStage;
-use crate::textures::{Chains, Slot};
+use crate::textures::Chains;
 use crate::{Aov, RenderError, RenderSettings};
 use texmap_math::ViewRays;
 use texmap_scene::{Background, Scene, ToneMapping};
+use texmap_shade::compose::Display;
+use texmap_shade::coordinates::{Coordinates, EyeRays};
+use texmap_shade::sky::{Sky, SkyStage};
+use texmap_shade::unlit::UnlitColor;
+use texmap_shade::volume::VolumeStage;
 
 pub(crate) use alpha_test::{AlphaTestStage, alpha_test};
 pub(crate) use shader::Shader;
@@ -173,7 +173,7 @@ fn sky<'s>(
     let mut surface = behind();
     match scene.effects.background.as_ref()? {
         Background::Picture(slot) => {
-            let slot = Slot::new(slot, scene, settings, chains, Origin::TopLeft);
+            let slot = chains.slot(slot, scene, settings, Origin::TopLeft);
             surface.solid = !slot.can_be_transparent();
             surface.unlit = UnlitColor::new(surface.material, Some(&slot), scene.color);
             surface.uv = Coordinates::Vertices;

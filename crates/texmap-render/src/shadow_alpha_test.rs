@@ -4,10 +4,11 @@ use texmap_math::{Level, narrow, wide};
 use texmap_raster::{AlphaTest, Fragment, UvBlock};
 
 use crate::plan::{AlphaTestStage, alpha_test};
-use crate::shade::coordinates::Coordinates;
-use crate::textures::{Chains, Slot};
+use crate::textures::Chains;
 use crate::{RenderError, RenderSettings};
 use texmap_scene::{AlphaMode, Mesh, Scene, UvSet};
+use texmap_shade::Slot;
+use texmap_shade::coordinates::Coordinates;
 
 /// The alpha tests of the meshes of a scene. Meshes whose coordinates come from a texture frame, which is bound to the camera, have
 /// none.
@@ -92,7 +93,7 @@ impl<'s> AlphaTested<'s> {
         mesh: &'s Mesh,
     ) -> Option<Self> {
         let material = &scene.materials[mesh.material];
-        let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
+        let slot = |slot| chains.slot(slot, scene, settings, mesh.uv_origin);
         let base_color = material.base_color.as_ref().map(slot);
         let opacity_map = material.opacity_map.as_ref().map(slot);
         let cut = alpha_test(material, base_color.as_ref(), opacity_map.as_ref())?;

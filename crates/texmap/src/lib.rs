@@ -22,6 +22,8 @@ pub use texmap_render as render;
 pub use texmap_sample as sample;
 #[cfg(feature = "scene")]
 pub use texmap_scene as scene;
+#[cfg(feature = "shade")]
+pub use texmap_shade as shade;
 #[cfg(feature = "uv")]
 pub use texmap_uv as uv;
 

@@ -4,9 +4,9 @@ use texmap_math::{Footprint, Level};
 use texmap_raster::UvBlock;
 use texmap_sample::{Filter, Places, sample_soa};
 
-use crate::shade::batch::LANES;
-use crate::textures::Slot;
 use texmap_scene::{AlphaMode, Material};
+use texmap_shade::Slot;
+use texmap_shade::batch::LANES;
 
 /// Alpha of which a cut-out pixel is kept.
 #[derive(Clone, Copy)]

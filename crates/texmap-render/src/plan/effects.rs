@@ -5,14 +5,15 @@ use texmap_math::glam::{DMat3, DVec3};
 
 use crate::RenderSettings;
 use crate::frame_resources::FrameResources;
-use crate::shade::metallic::{self, METALLIC_MAPS};
-use crate::shade::normal::{NormalSource, NormalSpace};
-use crate::shade::procedural::ProceduralBump;
-use crate::shade::slopes::Rise;
-use crate::textures::{Chains, Slot};
+use crate::textures::Chains;
 use crate::vertices::{Values, Vertices};
 use texmap_scene::{LightMapSlot, NormalDetail};
 use texmap_scene::{Material, Mesh, Scene, TextureSlot};
+use texmap_shade::Slot;
+use texmap_shade::metallic::{self, METALLIC_MAPS};
+use texmap_shade::normal::{NormalSource, NormalSpace};
+use texmap_shade::procedural::ProceduralBump;
+use texmap_shade::slopes::Rise;
 
 /// Textures instead of numbers of a material: their indices in [`SurfaceEffects::maps`].
 pub(super) const AMBIENT: usize = 0;
@@ -55,7 +56,7 @@ impl<'s> SurfaceEffects<'s> {
         if ready.is_plain() && !has_effects(material) {
             return None;
         }
-        let slot = |slot| Slot::new(slot, scene, settings, chains, mesh.uv_origin);
+        let slot = |slot| chains.slot(slot, scene, settings, mesh.uv_origin);
         let maps = &material.maps;
         let detail = material.normal_detail.as_ref();
         let normal = detail.map(|detail| normal_detail(detail, mesh, vertices, slot));

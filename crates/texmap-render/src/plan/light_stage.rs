@@ -2,9 +2,9 @@
 
 use texmap_light::Light;
 
-use crate::shade::lighting::LightStage;
 use crate::vertices::{Values, Vertices};
 use texmap_scene::{Material, Shading, VertexColorInterp};
+use texmap_shade::lighting::LightStage;
 
 pub(super) fn light_stage(
     material: &Material,

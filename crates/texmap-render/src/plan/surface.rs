@@ -7,19 +7,20 @@ use super::effects::SurfaceEffects;
 use super::light_stage::{light_stage, lights_depend_on_place};
 use super::{AlphaTestStage, View, alpha_test};
 use crate::frame_resources::FrameResources;
-use crate::shade::coordinates::{Coordinates, uv_of_attributes};
-use crate::shade::lighting::LightStage;
-use crate::shade::sky::SkyStage;
-use crate::shade::solid::SolidStage;
-use crate::shade::unlit::UnlitColor;
-use crate::shade::volume::VolumeStage;
-use crate::textures::{Chains, Slot};
+use crate::textures::Chains;
 use crate::vertices::{Values, VertexData, Vertices};
 use crate::{Aov, RenderSettings};
 use texmap_math::CameraFrame;
 use texmap_scene::{
     AlphaMode, Material, Mesh, Scene, TextureRole, TextureSlot, UvSet, VertexColorInterp,
 };
+use texmap_shade::Slot;
+use texmap_shade::coordinates::{Coordinates, uv_of_attributes};
+use texmap_shade::lighting::LightStage;
+use texmap_shade::sky::SkyStage;
+use texmap_shade::solid::SolidStage;
+use texmap_shade::unlit::UnlitColor;
+use texmap_shade::volume::VolumeStage;
 
 /// One mesh, ready for the rasterizer and the stages.
 pub(crate) struct Surface<'s> {
@@ -144,22 +145,22 @@ pub(super) fn surface<'s>(
     let base_color = material
         .base_color
         .as_ref()
-        .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
+        .map(|s| chains.slot(s, scene, settings, mesh.uv_origin));
     let opacity_map = material
         .opacity_map
         .as_ref()
         .filter(|_| material.alpha != AlphaMode::Opaque)
-        .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
+        .map(|s| chains.slot(s, scene, settings, mesh.uv_origin));
     let ramp = |slot: &'s Option<TextureSlot>| {
         let slot = slot.as_ref();
-        slot.map(|s| Slot::ramp(s, scene, chains))
+        slot.map(|s| chains.ramp(s, scene))
     };
     let colored = material.solid.is_some() || base_color.is_some();
     let color_ramp = ramp(&material.color_ramp).filter(|_| colored);
     let decal = material
         .decal
         .as_ref()
-        .map(|s| Slot::new(s, scene, settings, chains, mesh.uv_origin));
+        .map(|s| chains.slot(s, scene, settings, mesh.uv_origin));
     // The texels of a ramp stand in for those of the texture.
     let ramped = material.solid.is_none().then_some(color_ramp.as_ref());
     let mut read = base_color.iter().chain(ramped.flatten());
@@ -170,7 +171,7 @@ pub(super) fn surface<'s>(
         || (material.alpha == AlphaMode::Opaque && clear_texels);
     let emission = material.emission.as_ref().filter(|_| shows_surface);
     let emission = emission.map(|e| {
-        let slot = |s| Slot::new(s, scene, settings, chains, mesh.uv_origin);
+        let slot = |s| chains.slot(s, scene, settings, mesh.uv_origin);
         (e.color, e.map.as_ref().map(slot))
     });
     let cut = alpha_test(material, base_color.as_ref(), opacity_map.as_ref());

@@ -4,8 +4,8 @@ use texmap_raster::Fragment;
 
 use super::rows::AovRows;
 use crate::plan::{Plan, Surface};
-use crate::shade::batch::{Batch, Facing};
 use crate::{Aov, HOLE_BITS};
+use texmap_shade::batch::{Batch, Facing};
 
 /// Writes the values of a batch of `surface`.
 pub(crate) fn write_batch(

@@ -6,8 +6,8 @@ use texmap_raster::FragmentBlock;
 
 use super::encode::encode_lanes;
 use super::tile_buffer::{Shaded, TileBuffer, block_mut, load_light};
-use crate::shade::batch::LANES;
 use texmap_scene::ColorMode;
+use texmap_shade::batch::LANES;
 
 impl TileBuffer {
     /// Blends the blocks of a batch, in order, over the buffer. Pixels whose alpha is above 0 are marked in `covered`.

@@ -5,7 +5,7 @@ use texmap_math::{Level, on_wide_level};
 use texmap_raster::{FragmentBlock, TILE};
 
 use super::tile_buffer::TileBuffer;
-use crate::shade::batch::{LANES, set_bits};
+use texmap_shade::batch::{LANES, set_bits};
 
 /// Bytes of a tile's row.
 const ROW: usize = 4 * TILE as usize;

@@ -5,8 +5,8 @@ use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BATCH_STRIDE, FragmentBlock};
 
 use super::tile_buffer::{Shaded, TileBuffer, load_light};
-use crate::shade::batch::{LANES, straight};
 use texmap_scene::ColorMode;
+use texmap_shade::batch::{LANES, straight};
 
 /// Premultiplied light to packed straight bytes, red lowest.
 pub(crate) fn encode(mode: ColorMode, light: [f32; 4]) -> u32 {

@@ -5,9 +5,9 @@ use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BATCH_STRIDE, FragmentBlock, TILE};
 
-use crate::shade::batch::{Colors, LANES, set_bits};
-use crate::shade::unlit::UnlitColor;
 use texmap_sample::lanes::packed::unpack_lanes;
+use texmap_shade::batch::{Colors, LANES, set_bits};
+use texmap_shade::unlit::UnlitColor;
 
 /// Pixels of a tile.
 const PIXELS: usize = (TILE * TILE) as usize;

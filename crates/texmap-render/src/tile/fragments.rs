@@ -3,7 +3,7 @@
 use texmap_raster::{BinnedDraws, FragmentBlock, NO_PRIMITIVE, Pass, TileVisibility};
 
 use crate::plan::Plan;
-use crate::shade::batch::LANES;
+use texmap_shade::batch::LANES;
 
 pub(super) const EMPTY: FragmentBlock = FragmentBlock {
     block: 0,

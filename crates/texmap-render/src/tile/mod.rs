@@ -18,14 +18,14 @@ use crate::resolve::copy::{put_block_rows, put_pixels_rows, rows_fit};
 use crate::resolve::encode::encode;
 use crate::resolve::rows::AovRows;
 use crate::resolve::tile_buffer::{Shaded, TileBuffer};
-use crate::shade::batch::{Batch, Colors, LANES};
-use crate::shade::surface::SurfaceScratch;
-use crate::shade::texels::{Pixels, read_nearest, read_texels};
-use crate::shade::unlit::{Unlit, UnlitScratch};
 pub(crate) use fragments::is_whole;
 use fragments::{FragmentList, blended};
 use msaa::{SampleReuse, Strays};
 use texmap_scene::ColorMode;
+use texmap_shade::batch::{Batch, Colors, LANES};
+use texmap_shade::surface::SurfaceScratch;
+use texmap_shade::texels::{Pixels, read_nearest, read_texels};
+use texmap_shade::unlit::{Unlit, UnlitScratch};
 
 /// Blocks of a batch.
 const BATCH_BLOCKS: usize = BATCH_PIXELS / LANES;

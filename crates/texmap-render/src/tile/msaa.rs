@@ -9,8 +9,8 @@ use super::fragments::{EMPTY, blended};
 use super::{BATCH_BLOCKS, BLOCKS, Context, Painter, Sample, Target, Tile};
 use crate::resolve::blend::mean;
 use crate::resolve::encode::encode;
-use crate::shade::batch::{LANES, set_bits};
-use crate::shade::texels::{Pixels, TexelAddresses, read_texels};
+use texmap_shade::batch::{LANES, set_bits};
+use texmap_shade::texels::{Pixels, TexelAddresses, read_texels};
 
 /// `by[j][k]`: the pixels of a block whose sample j shows the fragment that sample k showed first.
 #[derive(Clone, Copy, Default)]

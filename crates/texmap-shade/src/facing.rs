@@ -4,13 +4,14 @@ use texmap_math::glam::DVec3;
 use texmap_math::narrow;
 use texmap_raster::{BATCH_PIXELS, Cull, NO_PRIMITIVE};
 
-use super::batch::{Batch, Columns, Facing, LANES, set_bits};
+use crate::batch::{Batch, Columns, Facing, LANES, set_bits};
 
 /// The facing stage of a surface.
-pub(crate) struct FacingStage<'a> {
-    pub(crate) cull: Cull,
+pub struct FacingStage<'a> {
+    /// Sides that are drawn.
+    pub cull: Cull,
     /// Unit normals of the planes of the mesh's triangles, where shadows or painted projectors read them.
-    pub(crate) planes: Option<&'a [DVec3]>,
+    pub planes: Option<&'a [DVec3]>,
 }
 
 /// The sides of the triangles of a batch that are seen.

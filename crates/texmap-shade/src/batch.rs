@@ -7,20 +7,25 @@ use texmap_raster::{
 };
 
 /// Pixels of a 4x4 block.
-pub(crate) const LANES: usize = 16;
+pub const LANES: usize = 16;
 
 /// The fragments of a batch and their attributes.
-pub(crate) struct Batch<'a> {
-    pub(crate) prepared: &'a BinnedDraws<'a>,
-    pub(crate) tile: Tile,
-    pub(crate) blocks: &'a TileVisibility,
-    pub(crate) list: &'a [FragmentBlock],
-    pub(crate) values: &'a Varyings,
+pub struct Batch<'a> {
+    /// Draw calls after the front end.
+    pub prepared: &'a BinnedDraws<'a>,
+    /// The tile of the batch.
+    pub tile: Tile,
+    /// Depth and triangle of each pixel of the tile.
+    pub blocks: &'a TileVisibility,
+    /// The fragments, in blocks of 4 x 4 pixels.
+    pub list: &'a [FragmentBlock],
+    /// Values of the attributes that the surface reads, one column each.
+    pub values: &'a Varyings,
 }
 
 impl Batch<'_> {
     /// The slot of the triangle that a pixel of a block shows.
-    pub(crate) fn slot(&self, at: FragmentBlock, bit: usize) -> u32 {
+    pub fn slot(&self, at: FragmentBlock, bit: usize) -> u32 {
         if at.slot == NO_PRIMITIVE {
             self.blocks.slot[usize::from(at.block) * LANES + bit]
         } else {
@@ -29,7 +34,7 @@ impl Batch<'_> {
     }
 
     /// The sample of a pixel of a block: column and row of the target.
-    pub(crate) fn sample(&self, at: FragmentBlock, bit: usize) -> [u32; 2] {
+    pub fn sample(&self, at: FragmentBlock, bit: usize) -> [u32; 2] {
         let (x, y) = (at.block as usize % 16 * 4, at.block as usize / 16 * 4);
         [
             self.tile.x0 + (x + bit % 4) as u32,
@@ -38,12 +43,12 @@ impl Batch<'_> {
     }
 
     /// Reversed depth of the opaque surface at a pixel of a block.
-    pub(crate) fn depth(&self, at: FragmentBlock, bit: usize) -> f32 {
+    pub fn depth(&self, at: FragmentBlock, bit: usize) -> f32 {
         self.blocks.depth[usize::from(at.block) * LANES + bit]
     }
 
     /// The fragments: index in the columns, block, pixel of the block.
-    pub(crate) fn fragments(&self) -> impl Iterator<Item = (usize, FragmentBlock, usize)> {
+    pub fn fragments(&self) -> impl Iterator<Item = (usize, FragmentBlock, usize)> {
         self.list
             .iter()
             .enumerate()
@@ -91,20 +96,22 @@ impl Part {
 }
 
 /// The triangle of a slot seen from its front or its back; asked once for pixels of one triangle in a row.
-pub(crate) struct Facing {
+pub struct Facing {
     cull: Cull,
     last: (u32, bool),
 }
 
 impl Facing {
-    pub(crate) fn new(cull: Cull) -> Self {
+    /// Sides under a rule of culling; nothing is asked yet.
+    pub fn new(cull: Cull) -> Self {
         Self {
             cull,
             last: (NO_PRIMITIVE, true),
         }
     }
 
-    pub(crate) fn is_front(&mut self, batch: &Batch<'_>, slot: u32) -> bool {
+    /// True if the triangle in `slot` shows its front; the answer for the last slot is kept.
+    pub fn is_front(&mut self, batch: &Batch<'_>, slot: u32) -> bool {
         match self.cull {
             Cull::Back => return true,
             Cull::Front => return false,
@@ -119,10 +126,10 @@ impl Facing {
 }
 
 /// `N` numbers for each pixel of a batch, in columns.
-pub(crate) struct Columns<const N: usize>(pub(crate) [[f32; BATCH_STRIDE]; N]);
+pub struct Columns<const N: usize>(pub [[f32; BATCH_STRIDE]; N]);
 
 /// Colors of a batch and their alpha; premultiplied, but for those between stages that say otherwise.
-pub(crate) type Colors = Columns<4>;
+pub type Colors = Columns<4>;
 
 impl<const N: usize> Default for Columns<N> {
     fn default() -> Self {
@@ -133,7 +140,7 @@ impl<const N: usize> Default for Columns<N> {
 impl<const N: usize> Columns<N> {
     /// The numbers from pixel `at` of the batch on.
     #[inline(always)]
-    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; N] {
+    pub fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; N] {
         let mut out = [i.f32(0.0); N];
         for (out, column) in out.iter_mut().zip(&self.0) {
             *out = load(i, column, at);
@@ -174,7 +181,7 @@ impl<const N: usize> Columns<N> {
 
 /// Values of a column from pixel `at` of the batch on.
 #[inline(always)]
-pub(crate) fn load<I: Isa>(i: I, column: &[f32; BATCH_STRIDE], at: usize) -> I::F32 {
+pub fn load<I: Isa>(i: I, column: &[f32; BATCH_STRIDE], at: usize) -> I::F32 {
     i.load_f32(&column[at..at + I::LANES])
 }
 
@@ -218,7 +225,7 @@ pub(crate) fn columns<const N: usize>(values: &Varyings, first: usize) -> &[Vary
 
 /// Premultiplied to straight color; black where alpha is 0 or NaN.
 #[inline(always)]
-pub(crate) fn straight<I: Isa>(i: I, [r, g, b, a]: [I::F32; 4]) -> [I::F32; 3] {
+pub fn straight<I: Isa>(i: I, [r, g, b, a]: [I::F32; 4]) -> [I::F32; 3] {
     let (zero, some) = (i.f32(0.0), a.simd_gt(0.0));
     [
         some.select(r / a, zero),
@@ -238,7 +245,7 @@ pub(crate) fn flip<I: Isa>(_: I, lanes: I::Mask, v: [I::F32; 3]) -> [I::F32; 3] 
 }
 
 /// The positions of the bits that are set, from the lowest up.
-pub(crate) fn set_bits(mut mask: u16) -> impl Iterator<Item = usize> {
+pub fn set_bits(mut mask: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = mask.trailing_zeros() as usize;
         mask &= mask.wrapping_sub(1);

@@ -4,21 +4,23 @@ use texmap_light::lanes::{SpecularExponentLanes, TermsLanes, Vector, evaluate_li
 use texmap_light::{Light, PhongMaterial, ShadowSampler, SpecularExponent, SpecularModel};
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::batch::{Part, columns, load_vector, parts};
-use super::projector::Projected;
-use super::stage::{Inputs, Kernel, ShadeColumns};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{Part, columns, load_vector, parts};
+use crate::projector::Projected;
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// The source of the light of a surface; numbers are attribute indices.
 #[derive(Clone, Copy)]
-pub(crate) enum LightStage {
+pub enum LightStage {
     /// The base color is the color.
     None,
     /// Finished colors at the vertices: the base color is in them.
     Colors(usize),
     /// Terms at the vertices (vertex colors in the diffuse one), a texel between them.
     Terms {
+        /// First of three attributes: light that multiplies the base color.
         diffuse: usize,
+        /// First of three attributes: light in its own color.
         highlight: Option<usize>,
     },
     /// Computed per pixel.
@@ -26,31 +28,37 @@ pub(crate) enum LightStage {
 }
 
 /// Light by Phong's terms.
-pub(crate) struct PhongLights<'a> {
-    pub(crate) numbers: PhongMaterial,
-    pub(crate) power: SpecularExponent,
+pub struct PhongLights<'a> {
+    /// Numbers of the material.
+    pub numbers: PhongMaterial,
+    /// Exponent of the highlight.
+    pub power: SpecularExponent,
     /// A texture that multiplies the exponent.
-    pub(crate) exponents: Option<&'a Slot<'a>>,
-    pub(crate) model: SpecularModel,
-    pub(crate) lights: Vec<LitBy<'a>>,
+    pub exponents: Option<&'a Slot<'a>>,
+    /// Phong or Blinn-Phong highlights.
+    pub model: SpecularModel,
+    /// The lights in the order of the scene.
+    pub lights: Vec<LitBy<'a>>,
 }
 
 /// A light, its shadow maps and its projected texture.
-pub(crate) struct LitBy<'a> {
-    pub(crate) light: Light,
-    pub(crate) shadows: &'a [ShadowSampler],
+pub struct LitBy<'a> {
+    /// The light.
+    pub light: Light,
+    /// Its shadow maps; empty without shadows.
+    pub shadows: &'a [ShadowSampler],
     /// The projected texture, and its index among the projectors of the surface.
-    pub(crate) projector: Option<(&'a Projected<'a>, usize)>,
+    pub projector: Option<(&'a Projected<'a>, usize)>,
 }
 
 impl LitBy<'_> {
     /// True if the light is the same for all normals.
-    pub(crate) fn is_ambient(&self) -> bool {
+    pub fn is_ambient(&self) -> bool {
         matches!(self.light, Light::Ambient { .. })
     }
 
     /// Every shadow map that its light passes.
-    pub(crate) fn shadow_maps(&self) -> impl Iterator<Item = &ShadowSampler> {
+    pub fn shadow_maps(&self) -> impl Iterator<Item = &ShadowSampler> {
         let of_projector = self.projector.as_ref();
         let of_projector = of_projector.and_then(|(projected, _)| projected.shadow.as_ref());
         self.shadows.iter().chain(of_projector)
@@ -166,9 +174,11 @@ impl Kernel for PhongLights<'_> {
 }
 
 /// Terms that were computed at the vertices; numbers are first attributes.
-pub(crate) struct VertexTerms {
-    pub(crate) diffuse: usize,
-    pub(crate) highlight: Option<usize>,
+pub struct VertexTerms {
+    /// First of three attributes: light that multiplies the base color.
+    pub diffuse: usize,
+    /// First of three attributes: light in its own color.
+    pub highlight: Option<usize>,
 }
 
 impl Kernel for VertexTerms {

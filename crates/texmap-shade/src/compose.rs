@@ -4,31 +4,34 @@ use texmap_light::lanes::Vector;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_scene::{AlphaMode, ToneMapping};
 
-use super::base_color::BaseColor;
-use super::batch::{parts, straight};
-use super::stage::{Inputs, Kernel, ShadeColumns};
+use crate::base_color::BaseColor;
+use crate::batch::{parts, straight};
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// Premultiplied colors from base colors and their light.
-pub(crate) struct Compose<'a> {
+pub struct Compose<'a> {
     /// The base color, where no stage has stored it: its texels are those of the pair.
-    pub(crate) paired: Option<BaseColor<'a>>,
+    pub paired: Option<BaseColor<'a>>,
     /// `base * diffuse + highlight`; else the colors have their light already.
-    pub(crate) lit: bool,
-    pub(crate) display: Display,
+    pub lit: bool,
+    /// Tone mapping of the sum.
+    pub display: Display,
 }
 
 /// The way from the light of a surface to display light.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Display {
+pub enum Display {
     /// Light is display light as it is.
     Done,
     /// Clipped at 1.
     Clipped,
+    /// Exposed and mapped light.
     Mapped(ToneMapping),
 }
 
 impl Display {
-    pub(crate) fn new(mapping: ToneMapping) -> Self {
+    /// Nothing to do for the identity.
+    pub fn new(mapping: ToneMapping) -> Self {
         if mapping == ToneMapping::default() {
             Self::Clipped
         } else {
@@ -86,7 +89,7 @@ impl Kernel for Compose<'_> {
 }
 
 /// A decal that covers its surface, which shows where an opaque decal is transparent.
-pub(crate) struct Cover<'a>(pub(crate) BaseColor<'a>);
+pub struct Cover<'a>(pub BaseColor<'a>);
 
 impl Kernel for Cover<'_> {
     fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {

@@ -4,18 +4,19 @@ use texmap_math::simd::Isa;
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{AttributePlanes, FragmentBlock, Varyings};
 
-use super::base_color::BaseTexels;
-use super::batch::{Batch, Colors, Columns};
-use super::facing::Sides;
-use super::fetch::{PackedTexels, Texels};
-use super::projector::ProjectorTexels;
-use super::slopes::Slopes;
-use super::vectors::Vectors;
-use crate::textures::Slot;
+use crate::Slot;
+use crate::base_color::BaseTexels;
+use crate::batch::{Batch, Colors, Columns};
+use crate::facing::Sides;
+use crate::fetch::{PackedTexels, Texels};
+use crate::projector::ProjectorTexels;
+use crate::slopes::Slopes;
+use crate::vectors::Vectors;
 use texmap_scene::UvSet;
 
 /// A step of shading a batch, from inputs and columns to columns.
-pub(crate) trait Stage: Sync {
+pub trait Stage: Sync {
+    /// Reads inputs and columns, writes columns.
     fn run(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns);
 }
 
@@ -36,7 +37,7 @@ impl<K: Kernel> Stage for K {
 }
 
 /// Inputs of the stages, read before they run.
-pub(crate) struct Inputs<'a> {
+pub struct Inputs<'a> {
     pub(crate) level: Level,
     pub(crate) planes: &'a AttributePlanes,
     pub(crate) batch: &'a Batch<'a>,
@@ -51,7 +52,7 @@ pub(crate) struct Inputs<'a> {
     /// Texels of the base color and of the normal map, where they are read as a pair.
     pub(crate) pair: &'a [PackedTexels; 2],
     /// Texels of the projectors of the lights, then of those that paint.
-    pub(crate) projectors: &'a [ProjectorTexels],
+    pub projectors: &'a [ProjectorTexels],
 }
 
 impl Inputs<'_> {
@@ -66,7 +67,7 @@ impl Inputs<'_> {
 
 /// The columns between stages. A thread keeps them: those that no stage of a surface writes hold no meaning.
 #[derive(Default)]
-pub(crate) struct ShadeColumns {
+pub struct ShadeColumns {
     /// Unit directions to the eye.
     pub(crate) toward_eye: Columns<3>,
     /// Unit normals on the side that is seen.

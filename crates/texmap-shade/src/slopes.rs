@@ -7,29 +7,31 @@ use texmap_math::{Level, dispatch_simd};
 use texmap_raster::Varyings;
 use texmap_sample::{Origin, sample_soa};
 
-use super::batch::{Colors, Columns, LANES, load, load_changes, parts, straight};
-use super::fetch::pixel_samples;
-use super::normal::store_normal;
-use super::stage::{Inputs, Kernel, ShadeColumns};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{Colors, Columns, LANES, load, load_changes, parts, straight};
+use crate::fetch::pixel_samples;
+use crate::normal::store_normal;
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// Normals turned by a map of heights, or of slopes.
-pub(crate) struct SlopeMap<'a> {
-    pub(crate) slot: &'a Slot<'a>,
-    pub(crate) rise: Rise,
+pub struct SlopeMap<'a> {
+    /// The map of heights or of slopes.
+    pub slot: &'a Slot<'a>,
+    /// The height of a value of 1.
+    pub rise: Rise,
     /// The direction of the slopes of a map of slopes; `None` for heights.
-    pub(crate) slopes: Option<NormalMapGreen>,
+    pub slopes: Option<NormalMapGreen>,
     /// Normals turned away from the eye are brought back to the horizon.
-    pub(crate) horizon_clamp: bool,
+    pub horizon_clamp: bool,
 }
 
 /// The height of a value of 1.
 #[derive(Clone, Copy)]
-pub(crate) struct Rise {
+pub struct Rise {
     /// Units of the object.
-    pub(crate) height: f32,
+    pub height: f32,
     /// World units of one of them.
-    pub(crate) unit: f32,
+    pub unit: f32,
 }
 
 /// Slopes of a bump or offset map over a batch.

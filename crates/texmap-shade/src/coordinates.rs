@@ -6,13 +6,15 @@ use texmap_math::{CameraFrame, Footprint, Level, ViewRays};
 use texmap_raster::{Fragment, Varying, Varyings};
 use texmap_uv::PerPixelProjection;
 
-use super::batch::{Batch, LANES, columns};
+use crate::batch::{Batch, LANES, columns};
 
 /// The source of texture coordinates.
-pub(crate) enum Coordinates {
+pub enum Coordinates {
+    /// No stage reads a texture by coordinates.
     None,
     /// Attributes 0 and 1.
     Vertices,
+    /// Coordinates of the camera's own frame.
     Frame(CameraFrame),
     /// A shape in world space, and the first of the attributes that hold the world position.
     Round(PerPixelProjection, usize),
@@ -28,7 +30,7 @@ pub(crate) struct UvScratch {
 
 impl Coordinates {
     /// Coordinates of a fragment; `None` if the mesh has none there.
-    pub(crate) fn at(&self, fragment: &Fragment) -> Option<([f32; 2], Footprint)> {
+    pub fn at(&self, fragment: &Fragment) -> Option<([f32; 2], Footprint)> {
         let Fragment {
             values, ddx, ddy, ..
         } = fragment;
@@ -104,7 +106,7 @@ impl Coordinates {
 }
 
 /// Coordinates that are attributes of a fragment, from this one on.
-pub(crate) fn uv_of_attributes(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
+pub fn uv_of_attributes(fragment: &Fragment, first: usize) -> ([f32; 2], Footprint) {
     let Fragment {
         values, ddx, ddy, ..
     } = fragment;
@@ -116,7 +118,7 @@ pub(crate) fn uv_of_attributes(fragment: &Fragment, first: usize) -> ([f32; 2], 
 /// Directions to the eye from the samples of a grid, world space. Their length is that of the ray where it is 1 along the camera's axis,
 /// so that they change evenly from sample to sample.
 #[derive(Clone, Copy)]
-pub(crate) struct EyeRays {
+pub struct EyeRays {
     /// Direction at the middle of the picture.
     middle: [f32; 3],
     /// Vector from the middle to the centre of the first sample, in samples.
@@ -128,7 +130,8 @@ pub(crate) struct EyeRays {
 }
 
 impl EyeRays {
-    pub(crate) fn new(rays: &ViewRays, view_from_world: DMat4) -> Self {
+    /// Rays of a perspective view.
+    pub fn new(rays: &ViewRays, view_from_world: DMat4) -> Self {
         let world_from_view = view_from_world.inverse();
         let world = |v: DVec3| {
             let v = world_from_view.transform_vector3(v);
@@ -147,7 +150,7 @@ impl EyeRays {
     }
 
     /// The directions of a parallel projection, which are one.
-    pub(crate) fn parallel(view_from_world: DMat4) -> Self {
+    pub fn parallel(view_from_world: DMat4) -> Self {
         let back = view_from_world.inverse().transform_vector3(DVec3::Z);
         Self {
             middle: back.to_array().map(|c| c as f32),

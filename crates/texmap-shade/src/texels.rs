@@ -11,7 +11,7 @@ use texmap_sample::lanes::packed::{self, FootprintLanes};
 use texmap_sample::lanes::{BoundTexture, Kernel, RGBA8};
 use texmap_sample::{Sampler, Texture2d};
 
-use super::batch::{Columns, LANES};
+use crate::batch::{Columns, LANES};
 
 /// A texture whose look-ups are RGBA8 words; `None` if they are not.
 pub(crate) fn packed_view<'a>(
@@ -23,7 +23,7 @@ pub(crate) fn packed_view<'a>(
 }
 
 /// Coordinates and mips of the texels that a batch reads.
-pub(crate) struct TexelAddresses {
+pub struct TexelAddresses {
     pub(crate) uv: Columns<2>,
     /// Mips in each of two textures, with 8 fraction bits.
     mips: [[i32; BATCH_STRIDE]; 2],
@@ -59,7 +59,7 @@ impl TexelAddresses {
 }
 
 /// Pixels of a tile whose attributes 0 and 1 are the coordinates.
-pub(crate) enum Pixels<'a> {
+pub enum Pixels<'a> {
     /// The blocks of a tile.
     Blocks(&'a AttributePlanes, &'a TileVisibility),
     /// Pixels anywhere in the tile, and the slot of each: see [`AttributePlanes::each_sixteen`].
@@ -67,7 +67,7 @@ pub(crate) enum Pixels<'a> {
 }
 
 /// Reads the texels of a batch.
-pub(crate) fn read_texels(
+pub fn read_texels(
     level: Level,
     view: &BoundTexture<'_>,
     pixels: &Pixels<'_>,
@@ -80,7 +80,7 @@ pub(crate) fn read_texels(
 
 /// Hands the nearest texels of a batch to `store`, some pixels of a block at a time, as they leave the registers; false, with nothing
 /// done, where another kernel must serve. `store` must be `#[inline(always)]`.
-pub(crate) fn read_nearest(
+pub fn read_nearest(
     level: Level,
     view: &BoundTexture<'_>,
     pixels: &Pixels<'_>,

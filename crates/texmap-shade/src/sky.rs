@@ -6,14 +6,16 @@ use texmap_math::glam::DMat4;
 use texmap_math::simd::Isa;
 use texmap_math::{Level, ViewRays, dispatch_simd};
 
-use super::batch::{Batch, Colors, LANES};
-use super::compose::Display;
-use super::coordinates::EyeRays;
+use crate::batch::{Batch, Colors, LANES};
+use crate::compose::Display;
+use crate::coordinates::EyeRays;
 
 /// Light by direction.
 #[derive(Clone, Copy)]
-pub(crate) enum Sky<'s> {
+pub enum Sky<'s> {
+    /// An environment, read without blur.
     Chart(&'s Environment),
+    /// An environment that lights, read at its sharpest level.
     Light(&'s EnvironmentLight),
 }
 
@@ -49,7 +51,7 @@ impl Sky<'_> {
 }
 
 /// An environment as a sky.
-pub(crate) struct SkyStage<'s> {
+pub struct SkyStage<'s> {
     sky: Sky<'s>,
     /// Through the positions in a pixel that are looked up: one or more for each texel that it sees.
     rays: Vec<EyeRays>,
@@ -57,12 +59,8 @@ pub(crate) struct SkyStage<'s> {
 }
 
 impl<'s> SkyStage<'s> {
-    pub(crate) fn new(
-        sky: Sky<'s>,
-        rays: &ViewRays,
-        view_from_world: DMat4,
-        display: Display,
-    ) -> Self {
+    /// The sky behind every pixel that no opaque surface covers.
+    pub fn new(sky: Sky<'s>, rays: &ViewRays, view_from_world: DMat4, display: Display) -> Self {
         let side = (rays.step() / sky.step()).ceil().clamp(1.0, 8.0) as u32;
         let middle = EyeRays::new(rays, view_from_world);
         let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(side) - 0.5;
@@ -77,7 +75,7 @@ impl<'s> SkyStage<'s> {
     }
 
     /// The light behind the fragments of a batch, as display light.
-    pub(crate) fn shade(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
+    pub fn shade(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
         dispatch_simd!(level, i => for (index, block) in batch.list.iter().enumerate() {
             self.shade_block(i, batch.sample(*block, 0), index * LANES, out);
         });

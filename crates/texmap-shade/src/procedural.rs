@@ -12,7 +12,7 @@ use texmap_scene::ProceduralHeight;
 
 /// A formula of heights, as the stages read it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ProceduralBump {
+pub struct ProceduralBump {
     heights: ProceduralHeight,
     /// World units.
     height: f32,
@@ -24,7 +24,7 @@ pub(crate) struct ProceduralBump {
 
 impl ProceduralBump {
     /// `height` in world units.
-    pub(crate) fn new(heights: ProceduralHeight, world_from_solid: DMat4, height: f32) -> Self {
+    pub fn new(heights: ProceduralHeight, world_from_solid: DMat4, height: f32) -> Self {
         let inverse = world_from_solid.inverse();
         let m = inverse.transpose();
         let row = |r: DVec4| r.to_array().map(|c| c as f32);

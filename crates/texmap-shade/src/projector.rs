@@ -8,17 +8,19 @@ use texmap_raster::{BATCH_STRIDE, Varying};
 use texmap_sample::lanes::BoundTexture;
 use texmap_sample::{Places, sample_soa};
 
-use super::batch::{Columns, LANES, load_changes, load_vector};
-use super::fetch::PackedTexels;
-use super::texels::{TexelAddresses, packed_view, read_placed};
+use crate::batch::{Columns, LANES, load_changes, load_vector};
+use crate::fetch::PackedTexels;
+use crate::texels::{TexelAddresses, packed_view, read_placed};
 
 /// A projected texture, and the shadow map of its projector.
 #[derive(Debug)]
-pub(crate) struct Projected<'s> {
-    pub(crate) view: BoundProjectorTexture<'s>,
+pub struct Projected<'s> {
+    /// Matrix and texture.
+    pub view: BoundProjectorTexture<'s>,
     /// Position of the projector.
-    pub(crate) position: [f32; 3],
-    pub(crate) shadow: Option<ShadowSampler>,
+    pub position: [f32; 3],
+    /// Depths seen from the projector, where it does not shine through.
+    pub shadow: Option<ShadowSampler>,
 }
 
 impl Projected<'_> {
@@ -29,7 +31,7 @@ impl Projected<'_> {
 }
 
 /// The texture fetch of a projector.
-pub(crate) struct ProjectorStage<'a> {
+pub struct ProjectorStage<'a> {
     pub(crate) projected: &'a Projected<'a>,
     /// The picture, bound, if its filter gives packed bytes.
     view: Option<BoundTexture<'a>>,
@@ -37,7 +39,7 @@ pub(crate) struct ProjectorStage<'a> {
 
 /// Texels of a projector over a batch: those blocks that it reaches.
 #[derive(Default)]
-pub(crate) struct ProjectorTexels {
+pub struct ProjectorTexels {
     addresses: TexelAddresses,
     /// Changes of the coordinates, where the filter reads them: to the right, and down.
     changes: [Columns<2>; 2],
@@ -55,7 +57,7 @@ impl ProjectorTexels {
 
     /// The premultiplied texels of a block from `pixel` on, 0 where the projector does not reach; `None` if it reaches no pixel.
     #[inline(always)]
-    pub(crate) fn load<I: Isa>(&self, i: I, block: usize, pixel: usize) -> Option<[I::F32; 4]> {
+    pub fn load<I: Isa>(&self, i: I, block: usize, pixel: usize) -> Option<[I::F32; 4]> {
         let at = usize::from(self.place[block]?) * LANES + pixel;
         let [fade] = self.fade.load(i, at);
         let [r, g, b, a] = self.texels.load(i, at);
@@ -64,7 +66,8 @@ impl ProjectorTexels {
 }
 
 impl<'a> ProjectorStage<'a> {
-    pub(crate) fn new(projected: &'a Projected<'a>) -> Self {
+    /// A stage that reads the texture of a projector.
+    pub fn new(projected: &'a Projected<'a>) -> Self {
         let view = &projected.view;
         Self {
             projected,
@@ -148,8 +151,8 @@ impl<'a> ProjectorStage<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::fetch::tests::{bordered, noise, sampler};
     use super::*;
+    use crate::fetch::tests::{bordered, noise, sampler};
     use texmap_light::{ProjectorBorder, ProjectorTexture};
     use texmap_math::Projector;
     use texmap_math::glam::DVec3;

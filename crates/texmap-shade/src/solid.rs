@@ -6,18 +6,19 @@ use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BATCH_STRIDE, Varying};
 use texmap_sample::Pattern;
 
-use super::batch::{Batch, Colors, LANES, columns, load_changes, load_vector};
+use crate::batch::{Batch, Colors, LANES, columns, load_changes, load_vector};
 use texmap_scene::{Effects, SolidField, SolidTexture};
 
 /// A solid texture as the stages read it.
-pub(crate) struct SolidStage<'s> {
+pub struct SolidStage<'s> {
     field: SolidField<'s>,
     /// First of the attributes that hold the world position.
     position: usize,
 }
 
 impl<'s> SolidStage<'s> {
-    pub(crate) fn new(solid: &'s SolidTexture, effects: &'s Effects, position: usize) -> Self {
+    /// A solid texture read at attributes `position` to `position + 2`.
+    pub fn new(solid: &'s SolidTexture, effects: &'s Effects, position: usize) -> Self {
         Self {
             field: SolidField::new(solid, effects),
             position,

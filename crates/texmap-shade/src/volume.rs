@@ -5,12 +5,11 @@ use texmap_math::simd::F32s;
 use texmap_math::{Level, ViewRays};
 use texmap_sample::{Sampler, Texture2d};
 
-use super::batch::{Batch, Colors};
-use crate::RenderError;
+use crate::batch::{Batch, Colors};
 use texmap_scene::{Scene, SceneError, Volume};
 
 /// A volume as the stages read it.
-pub(crate) struct VolumeStage<'s> {
+pub struct VolumeStage<'s> {
     matter: texmap_sample::VolumeIntegrator<'s>,
     rays: ViewRays,
     /// The eye, and the matrix of directions, in the space of the grid.
@@ -21,7 +20,8 @@ pub(crate) struct VolumeStage<'s> {
 }
 
 impl<'s> VolumeStage<'s> {
-    pub(crate) fn new(
+    /// A volume in front of everything opaque. `transfer` maps density to color.
+    pub fn new(
         volume: &'s Volume,
         scene: &'s Scene,
         transfer: Option<(&'s Texture2d<'static>, &'s Sampler)>,
@@ -29,7 +29,7 @@ impl<'s> VolumeStage<'s> {
         level: Level,
         view_from_world: DMat4,
         projection: DMat4,
-    ) -> Result<Self, RenderError> {
+    ) -> Result<Self, SceneError> {
         let grid = &scene.effects.grids[volume.grid];
         let matter = texmap_sample::VolumeIntegrator::new(
             grid,
@@ -56,7 +56,7 @@ impl<'s> VolumeStage<'s> {
     }
 
     /// The light that the volume sends to the eye at the fragments of a batch, clipped at 1, and its opacity.
-    pub(crate) fn shade(&self, batch: &Batch<'_>, out: &mut Colors) {
+    pub fn shade(&self, batch: &Batch<'_>, out: &mut Colors) {
         for (index, at, bit) in batch.fragments() {
             let ray = self.rays.through(batch.sample(at, bit));
             let length = ray.length();

@@ -8,9 +8,9 @@ use texmap_sample::lanes::packed::unpack_lanes;
 use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
 use texmap_sample::{Places, sample_soa};
 
-use super::batch::{Colors, LANES, straight};
-use super::texels::{Pixels, TexelAddresses, packed_view, read_pair};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{Colors, LANES, straight};
+use crate::texels::{Pixels, TexelAddresses, packed_view, read_pair};
 
 /// Columns 0 and 1 as coordinates to sample at, with the derivatives that the filter reads.
 pub(crate) fn pixel_samples<'a>(slot: &Slot<'_>, values: &'a Varyings, count: usize) -> Places<'a> {
@@ -95,7 +95,7 @@ impl PackedTexels {
 
 /// Two textures that are read at the coordinates of the vertices as they are: base color and normal map.
 #[derive(Default)]
-pub(crate) struct TexturePair<'a> {
+pub struct TexturePair<'a> {
     slots: [Option<&'a Slot<'a>>; 2],
     /// The textures of the slots.
     bound: [Option<BoundTexture<'a>>; 2],
@@ -108,7 +108,8 @@ pub(crate) struct TexturePair<'a> {
 }
 
 impl<'a> TexturePair<'a> {
-    pub(crate) fn new(slots: [Option<&'a Slot<'a>>; 2]) -> Self {
+    /// Base color and normal map: packed words if both have a packed form at the same coordinates.
+    pub fn new(slots: [Option<&'a Slot<'a>>; 2]) -> Self {
         let views = slots.map(|slot| slot.map(|slot| packed_view(&slot.sampler, &slot.texture)));
         // A slot without a view spoils it.
         let views = match views {
@@ -190,23 +191,21 @@ pub(crate) struct PairScratch {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::RenderSettings;
-    use crate::textures::Chains;
-    use texmap_math::camera::Camera;
-    use texmap_math::glam::{DMat4, DVec3, DVec4};
+    use std::borrow::Cow;
+    use texmap_math::glam::{DMat4, DVec4};
     use texmap_math::simd::Scalar;
     use texmap_raster::{
         BATCH_PIXELS, BinnedDraws, DrawCall, NO_PRIMITIVE, NoAlphaTest, TargetSize,
     };
     use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, Wrap};
-    use texmap_scene::{Scene, TextureSlot};
+    use texmap_scene::TextureSlot;
 
-    pub(in crate::shade) fn noise(width: u32, height: u32) -> Texture2d<'static> {
+    pub(crate) fn noise(width: u32, height: u32) -> Texture2d<'static> {
         bordered(width, height, 0)
     }
 
     /// Within a black border.
-    pub(in crate::shade) fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
+    pub(crate) fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
         let mut seed = width * 31 + height;
         let within = |i: u32, n: u32| (border..n - border).contains(&i);
         let texels: Vec<u8> = (0..width * height)
@@ -224,7 +223,7 @@ pub(super) mod tests {
         texture.unwrap().with_mips()
     }
 
-    pub(in crate::shade) fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
+    pub(crate) fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
         Sampler {
             filter,
             wrap_u: wrap,
@@ -234,24 +233,9 @@ pub(super) mod tests {
     }
 
     /// The bits of the color of a pixel.
-    pub(in crate::shade) fn bits(texels: &PackedTexels, at: usize) -> [u32; 3] {
+    pub(crate) fn bits(texels: &PackedTexels, at: usize) -> [u32; 3] {
         let [r, g, b, _] = texels.load(Scalar, at);
         [r, g, b].map(f32::to_bits)
-    }
-
-    fn scene(textures: Vec<Texture2d<'static>>) -> Scene {
-        Scene {
-            textures,
-            ..Scene::new(Camera {
-                eye: DVec3::Z,
-                look: DVec3::ZERO,
-                up: DVec3::Y,
-                fov_x: 1.0,
-                near: 0.1,
-                far: 10.0,
-                lens: Default::default(),
-            })
-        }
     }
 
     /// Packed words are the texels that [`sample_soa`] gives, for each filter, wrap, origin and pair of sizes, with mips that both
@@ -259,7 +243,7 @@ pub(super) mod tests {
     #[test]
     fn packed_words_are_the_texels_of_the_general_fetches() {
         let level = Level::new();
-        let scene = scene(vec![noise(64, 64), noise(64, 64), noise(16, 32)]);
+        let textures = [noise(64, 64), noise(64, 64), noise(16, 32)];
         let corners = [[-1.3, -1.3], [1.3, -1.3], [1.3, 1.3], [-1.3, 1.3]];
         let draw = DrawCall {
             positions: &corners.map(|[x, y]| [x, y, 0.0]),
@@ -290,8 +274,6 @@ pub(super) mod tests {
             });
         let list: Vec<FragmentBlock> = all.collect();
         assert!(list.len() > 150, "{}", list.len());
-        let settings = RenderSettings::new(64, 64);
-        let chains = Chains::new(&scene, &settings).unwrap();
         let (mut shared, mut compared) = (0, 0);
         for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
             for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
@@ -300,13 +282,11 @@ pub(super) mod tests {
                     (1, Origin::BottomLeft),
                     (2, Origin::TopLeft),
                 ] {
-                    let slots = [0, second].map(|texture| TextureSlot {
-                        sampler: sampler(filter, wrap),
-                        ..TextureSlot::new(texture)
+                    let slots = [0, second].map(|texture: usize| {
+                        let texture = textures[texture].clone().with_origin(origin);
+                        let sampler = Cow::Owned(sampler(filter, wrap));
+                        Slot::new(texture, sampler, &TextureSlot::new(0))
                     });
-                    let slots = slots
-                        .each_ref()
-                        .map(|s| Slot::new(s, &scene, &settings, &chains, origin));
                     let packed = TexturePair::new(slots.each_ref().map(Some));
                     assert!(packed.views.is_some(), "{filter:?} {wrap:?}");
                     let general = TexturePair {
@@ -323,7 +303,7 @@ pub(super) mod tests {
                         for (words, floats) in words.iter().zip(&floats) {
                             assert!(words.packed && !floats.packed);
                             for (k, at) in batch.iter().enumerate() {
-                                for bit in super::super::batch::set_bits(at.mask) {
+                                for bit in crate::batch::set_bits(at.mask) {
                                     let at = k * LANES + bit;
                                     let (a, b) = (bits(words, at), bits(floats, at));
                                     assert_eq!(a, b, "{filter:?} {wrap:?} {at}");

@@ -5,9 +5,9 @@ use texmap_math::Level;
 use texmap_math::simd::Isa;
 use texmap_raster::{AttributePlanes, FragmentBlock, Varying, Varyings};
 
-use super::batch::{Batch, columns, flip, load_vector, parts};
-use super::projector::{ProjectorStage, ProjectorTexels};
-use super::stage::{Inputs, Kernel, ShadeColumns};
+use crate::batch::{Batch, columns, flip, load_vector, parts};
+use crate::projector::{ProjectorStage, ProjectorTexels};
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// Vectors in columns.
 pub(crate) struct Vectors<'a> {
@@ -18,16 +18,19 @@ pub(crate) struct Vectors<'a> {
 }
 
 /// Reads vectors; numbers are first attributes.
-pub(crate) struct VectorReader {
-    pub(crate) normal: Option<usize>,
-    pub(crate) position: Option<usize>,
-    pub(crate) tangent: Option<usize>,
+pub struct VectorReader {
+    /// First attribute of the normal.
+    pub normal: Option<usize>,
+    /// First attribute of the position.
+    pub position: Option<usize>,
+    /// First attribute of the tangent.
+    pub tangent: Option<usize>,
     /// The values of the batch hold them.
-    pub(crate) in_values: bool,
+    pub in_values: bool,
     /// Every block asks for the normal; else those that a projector reaches.
-    pub(crate) normal_everywhere: bool,
+    pub normal_everywhere: bool,
     /// A stage reads the changes of normals.
-    pub(crate) normal_changes: bool,
+    pub normal_changes: bool,
 }
 
 /// Scratch of a [`VectorReader`].
@@ -114,8 +117,9 @@ impl VectorReader {
 }
 
 /// Unit normals of the vertices on the side that is seen, and unit directions to the eye where they are asked for.
-pub(crate) struct SmoothNormals {
-    pub(crate) eye: Option<[f32; 3]>,
+pub struct SmoothNormals {
+    /// Position of the eye; `None` for parallel rays.
+    pub eye: Option<[f32; 3]>,
 }
 
 impl Kernel for SmoothNormals {

@@ -3,36 +3,39 @@
 use texmap_math::Level;
 use texmap_raster::{AttributePlanes, Varyings};
 
-use super::batch::{Batch, Colors};
-use super::coordinates::{Coordinates, UvScratch};
-use super::facing::{FacingStage, Sides};
-use super::fetch::{PackedTexels, PairScratch, TexturePair};
-use super::projector::{ProjectorStage, ProjectorTexels};
-use super::stage::{Inputs, ShadeColumns, Stage};
-use super::vectors::{VectorReader, VectorScratch};
+use crate::batch::{Batch, Colors};
+use crate::coordinates::{Coordinates, UvScratch};
+use crate::facing::{FacingStage, Sides};
+use crate::fetch::{PackedTexels, PairScratch, TexturePair};
+use crate::projector::{ProjectorStage, ProjectorTexels};
+use crate::stage::{Inputs, ShadeColumns, Stage};
+use crate::vectors::{VectorReader, VectorScratch};
 
 /// The stages of one surface.
-pub(crate) struct SurfaceShader<'a> {
-    pub(crate) level: Level,
+pub struct SurfaceShader<'a> {
+    /// SIMD level of the kernels.
+    pub level: Level,
     /// Coordinates of the textures, where a stage reads some by them.
-    pub(crate) uv: Option<&'a Coordinates>,
+    pub uv: Option<&'a Coordinates>,
     /// First attribute of the second set of coordinates, where a stage reads some by them.
-    pub(crate) second_uv: Option<usize>,
-    pub(crate) pair: TexturePair<'a>,
-    pub(crate) vectors: VectorReader,
+    pub second_uv: Option<usize>,
+    /// Textures that are read as a pair.
+    pub pair: TexturePair<'a>,
+    /// Vectors that several stages read.
+    pub vectors: VectorReader,
     /// The facing stage, if lights are computed per pixel.
-    pub(crate) facing: Option<FacingStage<'a>>,
+    pub facing: Option<FacingStage<'a>>,
     /// The projectors of the lights, then those that paint.
-    pub(crate) projectors: Vec<ProjectorStage<'a>>,
+    pub projectors: Vec<ProjectorStage<'a>>,
     /// The stages in their order; the last leaves the final colors.
-    pub(crate) stages: Vec<Box<dyn Stage + 'a>>,
+    pub stages: Vec<Box<dyn Stage + 'a>>,
     /// The attributes that the stages read; `None` if a few columns of vectors suffice, which the surface reads itself.
-    pub(crate) attributes: Option<usize>,
+    pub attributes: Option<usize>,
 }
 
 /// Columns of a batch; a thread keeps them.
 #[derive(Default)]
-pub(crate) struct SurfaceScratch {
+pub struct SurfaceScratch {
     vectors: VectorScratch,
     /// Coordinates that are no attributes.
     uv: Varyings,
@@ -47,7 +50,7 @@ pub(crate) struct SurfaceScratch {
 
 impl SurfaceShader<'_> {
     /// Shades a batch: linear light (raw values in raw mode), premultiplied.
-    pub(crate) fn shade<'s>(
+    pub fn shade<'s>(
         &self,
         planes: &AttributePlanes,
         batch: &Batch<'_>,

@@ -6,15 +6,15 @@ use texmap_raster::{BATCH_STRIDE, FragmentBlock, Varyings};
 use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
 use texmap_sample::{is_exact_in_rgba8, sample_rgba8_soa};
 
-use super::batch::{Colors, LANES, straight};
-use super::fetch::pixel_samples;
-use super::texels::{Pixels, TexelAddresses, packed_view, read_texels};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{Colors, LANES, straight};
+use crate::fetch::pixel_samples;
+use crate::texels::{Pixels, TexelAddresses, packed_view, read_texels};
 use texmap_scene::{AlphaMode, ColorMode, Material, TextureRole};
 
 /// The conversion of a texel to the color of an unlit surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct UnlitColor {
+pub struct UnlitColor {
     /// Factors of the straight texel.
     tint: [f32; 3],
     /// Factor of its alpha where the surface blends.
@@ -31,7 +31,7 @@ pub(crate) struct UnlitColor {
 impl UnlitColor {
     /// For a surface that is unlit, without vertex colors and without an opacity map; `None` where a transparent decal shows the
     /// surface below it.
-    pub(crate) fn new(
+    pub fn new(
         material: &Material,
         base_color: Option<&Slot<'_>>,
         mode: ColorMode,
@@ -58,7 +58,7 @@ impl UnlitColor {
     }
 
     /// True if all colors are opaque.
-    pub(crate) fn is_opaque(&self) -> bool {
+    pub fn is_opaque(&self) -> bool {
         !self.blends || (self.opaque_texels && self.opacity >= 1.0)
     }
 
@@ -68,13 +68,13 @@ impl UnlitColor {
     }
 
     /// True if packed texels are the encoded pixels of the surface.
-    pub(crate) fn is_exact(&self) -> bool {
+    pub fn is_exact(&self) -> bool {
         self.exact && self.is_opaque()
     }
 
     /// The premultiplied color of a texel.
     #[inline(always)]
-    pub(crate) fn tint<I: Isa>(&self, i: I, texel: [I::F32; 4]) -> [I::F32; 4] {
+    pub fn tint<I: Isa>(&self, i: I, texel: [I::F32; 4]) -> [I::F32; 4] {
         let one = i.f32(1.0);
         let [mut r, mut g, mut b, a] = texel;
         let alpha = match (self.blends, self.opaque_texels) {
@@ -95,7 +95,7 @@ impl UnlitColor {
 }
 
 /// The one stage of an unlit surface.
-pub(crate) struct Unlit<'a> {
+pub struct Unlit<'a> {
     color: UnlitColor,
     slot: Option<&'a Slot<'a>>,
     /// The texture, bound, if texels are read channel by channel.
@@ -107,7 +107,8 @@ pub(crate) struct Unlit<'a> {
 }
 
 impl<'a> Unlit<'a> {
-    pub(crate) fn new(color: UnlitColor, slot: Option<&'a Slot<'a>>) -> Self {
+    /// Texels of `slot`, or the plain color without one.
+    pub fn new(color: UnlitColor, slot: Option<&'a Slot<'a>>) -> Self {
         let plain = slot.filter(|slot| !slot.is_transformed());
         let codes = plain.filter(|_| color.shows_texels());
         let packed = plain.filter(|_| color.bytes);
@@ -120,31 +121,33 @@ impl<'a> Unlit<'a> {
         }
     }
 
-    pub(crate) fn color(&self) -> &UnlitColor {
+    /// The factors of texels.
+    pub fn color(&self) -> &UnlitColor {
         &self.color
     }
 
     /// The view by which encoded pixels are read straight from the texture.
-    pub(crate) fn exact_view(&self) -> Option<&BoundTexture<'a>> {
+    pub fn exact_view(&self) -> Option<&BoundTexture<'a>> {
         self.view.as_ref().filter(|_| self.color.is_exact())
     }
 
     /// The view whose texels are encoded pixels.
-    pub(crate) fn encoded_view(&self) -> Option<&BoundTexture<'a>> {
+    pub fn encoded_view(&self) -> Option<&BoundTexture<'a>> {
         self.exact_view().or(self.codes.as_ref())
     }
 
-    pub(crate) fn has_texture(&self) -> bool {
+    /// True if texels are read.
+    pub fn has_texture(&self) -> bool {
         self.slot.is_some()
     }
 
     /// True if the texels of a batch are packed words.
-    pub(crate) fn gives_words(&self) -> bool {
+    pub fn gives_words(&self) -> bool {
         self.color.bytes
     }
 
     /// Reads the packed texels of a batch.
-    pub(crate) fn read_words(
+    pub fn read_words(
         &self,
         level: Level,
         pixels: &Pixels<'_>,
@@ -164,7 +167,7 @@ impl<'a> Unlit<'a> {
     }
 
     /// The texels of a batch, still without the factors of the surface.
-    pub(crate) fn shade(
+    pub fn shade(
         &self,
         level: Level,
         pixels: &Pixels<'_>,
@@ -192,8 +195,9 @@ impl<'a> Unlit<'a> {
 
 /// Scratch of unlit stages.
 #[derive(Default)]
-pub(crate) struct UnlitScratch {
-    pub(crate) addresses: TexelAddresses,
+pub struct UnlitScratch {
+    /// Texel addresses of the batch.
+    pub addresses: TexelAddresses,
     values: Varyings,
 }
 

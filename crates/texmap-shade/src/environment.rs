@@ -4,20 +4,23 @@ use texmap_light::lanes::{RayLanes, dot, reflect_across, splat};
 use texmap_light::{Environment, ReflectionBox};
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::batch::{Part, flip, load_changes, load_vector, parts};
-use super::coordinates::EyeRays;
-use super::stage::{Inputs, Kernel, ShadeColumns};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{Part, flip, load_changes, load_vector, parts};
+use crate::coordinates::EyeRays;
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// The light of an environment that a surface reflects, added to its highlights.
-pub(crate) struct Reflection<'a> {
-    pub(crate) environment: &'a Environment,
+pub struct Reflection<'a> {
+    /// The environment that is mirrored.
+    pub environment: &'a Environment,
     /// Factor of its light, and a texture that multiplies it.
-    pub(crate) share: f32,
-    pub(crate) map: Option<&'a Slot<'a>>,
+    pub share: f32,
+    /// A map of reflectivity, which multiplies `share`.
+    pub map: Option<&'a Slot<'a>>,
     /// Walls that mirrored rays are led to.
-    pub(crate) within: Option<ReflectionBox>,
-    pub(crate) rays: EyeRays,
+    pub within: Option<ReflectionBox>,
+    /// Rays from the eye.
+    pub rays: EyeRays,
 }
 
 impl Kernel for Reflection<'_> {

@@ -4,35 +4,41 @@ use texmap_light::lanes::{Vector, splat};
 use texmap_math::simd::{Isa, Scalar};
 use texmap_raster::Varyings;
 
-use super::batch::{Colors, columns, load_vector, parts, straight};
-use super::fetch::{PackedTexels, Texels, footprint_at};
-use super::solid::SolidStage;
-use super::stage::{Inputs, Kernel, ShadeColumns};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{Colors, columns, load_vector, parts, straight};
+use crate::fetch::{PackedTexels, Texels, footprint_at};
+use crate::solid::SolidStage;
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 use texmap_scene::AlphaMode;
 
 /// The base color of a surface.
 #[derive(Clone, Copy)]
-pub(crate) struct BaseColor<'a> {
+pub struct BaseColor<'a> {
     /// Factors of the straight texel.
-    pub(crate) color: [f32; 3],
-    pub(crate) texture: Option<&'a Slot<'a>>,
+    pub color: [f32; 3],
+    /// The base color map.
+    pub texture: Option<&'a Slot<'a>>,
     /// The base color is one color, or an opaque texture that is read at the coordinates of the vertices: see
-    /// [`TexturePair`](super::fetch::TexturePair).
-    pub(crate) paired: bool,
+    /// [`TexturePair`](crate::fetch::TexturePair).
+    pub paired: bool,
     /// Every texel is opaque.
-    pub(crate) opaque_texels: bool,
+    pub opaque_texels: bool,
     /// The first channel of the texture, or of the solid texture, is looked up along this.
-    pub(crate) ramp: Option<&'a Slot<'a>>,
+    pub ramp: Option<&'a Slot<'a>>,
     /// Alpha becomes the coverage of the outline where it is a half.
-    pub(crate) antialiased: bool,
-    pub(crate) solid: Option<&'a SolidStage<'a>>,
-    pub(crate) decal: Option<&'a Slot<'a>>,
-    pub(crate) opacity_map: Option<&'a Slot<'a>>,
+    pub antialiased: bool,
+    /// A solid texture in place of a map.
+    pub solid: Option<&'a SolidStage<'a>>,
+    /// A texture over the base color, by its own alpha.
+    pub decal: Option<&'a Slot<'a>>,
+    /// Opacities that replace the alpha of the base color map.
+    pub opacity_map: Option<&'a Slot<'a>>,
     /// First attribute of the vertex colors.
-    pub(crate) vertex_color: Option<usize>,
-    pub(crate) alpha: AlphaMode,
-    pub(crate) opacity: f32,
+    pub vertex_color: Option<usize>,
+    /// Treatment of alpha.
+    pub alpha: AlphaMode,
+    /// A factor of alpha, 0 to 1.
+    pub opacity: f32,
 }
 
 /// Texels that base colors are computed from.
@@ -46,7 +52,7 @@ pub(crate) struct BaseTexels {
 
 impl BaseColor<'_> {
     /// True if some texture is read by columns of coordinates.
-    pub(crate) fn reads_uv(&self) -> bool {
+    pub fn reads_uv(&self) -> bool {
         !self.paired
             && (self.texture.is_some() || self.decal.is_some() || self.opacity_map.is_some())
     }
@@ -185,14 +191,16 @@ impl BaseColor<'_> {
 }
 
 /// Base colors as columns.
-pub(crate) struct BaseStage<'a> {
-    pub(crate) base: BaseColor<'a>,
-    pub(crate) colors: BaseColors,
+pub struct BaseStage<'a> {
+    /// The base color.
+    pub base: BaseColor<'a>,
+    /// The form of the colors that the next stage reads.
+    pub colors: BaseColors,
 }
 
 /// The colors that a [`BaseStage`] stores.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) enum BaseColors {
+pub enum BaseColors {
     /// The colors of the textures.
     Own,
     /// The color of the material alone, times the vertex colors; opaque.

@@ -3,16 +3,18 @@
 use texmap_math::color::luminance;
 use texmap_math::simd::{Isa, Scalar};
 
-use super::batch::{parts, straight};
-use super::stage::{Inputs, Kernel, ShadeColumns, Stage};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{parts, straight};
+use crate::stage::{Inputs, Kernel, ShadeColumns, Stage};
 
 /// Baked light, added to the diffuse light.
-pub(crate) struct LightMap<'a> {
-    pub(crate) slot: &'a Slot<'a>,
+pub struct LightMap<'a> {
+    /// The map of light that was baked.
+    pub slot: &'a Slot<'a>,
     /// First attribute of its coordinates.
-    pub(crate) uv: usize,
-    pub(crate) factor: f32,
+    pub uv: usize,
+    /// A factor of its light.
+    pub factor: f32,
 }
 
 impl Kernel for LightMap<'_> {
@@ -39,7 +41,7 @@ impl Kernel for LightMap<'_> {
 }
 
 /// A texture instead of the color of the highlights.
-pub(crate) struct SpecularMap<'a>(pub(crate) &'a Slot<'a>);
+pub struct SpecularMap<'a>(pub &'a Slot<'a>);
 
 impl Kernel for SpecularMap<'_> {
     fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
@@ -60,10 +62,11 @@ impl Kernel for SpecularMap<'_> {
 }
 
 /// A texture instead of the base color under ambient light. Its color multiplies neither the base color nor that of the highlights.
-pub(crate) struct AmbientMap<'a> {
-    pub(crate) slot: &'a Slot<'a>,
+pub struct AmbientMap<'a> {
+    /// The map of ambient light.
+    pub slot: &'a Slot<'a>,
     /// The ambient lights, times the material's ambient reflectance.
-    pub(crate) lights: Vec<[f32; 3]>,
+    pub lights: Vec<[f32; 3]>,
 }
 
 impl Kernel for AmbientMap<'_> {
@@ -89,11 +92,13 @@ impl Kernel for AmbientMap<'_> {
 }
 
 /// Light that a surface emits.
-pub(crate) struct Emission<'a> {
-    pub(crate) color: [f32; 3],
-    pub(crate) map: Option<&'a Slot<'a>>,
+pub struct Emission<'a> {
+    /// Emitted light, linear.
+    pub color: [f32; 3],
+    /// A map that multiplies it.
+    pub map: Option<&'a Slot<'a>>,
     /// True if emitted light is added to the highlights; else it is added to the colors, which have their light already.
-    pub(crate) under_light: bool,
+    pub under_light: bool,
 }
 
 impl Kernel for Emission<'_> {
@@ -132,7 +137,7 @@ impl Kernel for Emission<'_> {
 }
 
 /// Diffuse light along a ramp by its luminance.
-pub(crate) struct LightRamp<'a>(pub(crate) &'a Slot<'a>);
+pub struct LightRamp<'a>(pub &'a Slot<'a>);
 
 impl Stage for LightRamp<'_> {
     fn run(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {

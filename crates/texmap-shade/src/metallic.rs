@@ -6,12 +6,12 @@ use texmap_light::lanes::{
 use texmap_light::{EnvironmentLight, Light};
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::base_color::BaseColor;
-use super::batch::{flip, load_vector, parts};
-use super::fetch::Texels;
-use super::lighting::LitBy;
-use super::stage::{Inputs, Kernel, ShadeColumns};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::base_color::BaseColor;
+use crate::batch::{flip, load_vector, parts};
+use crate::fetch::Texels;
+use crate::lighting::LitBy;
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 use texmap_scene::{MetallicRoughness, TextureSlot};
 
 /// The maps of a model, by their number in [`MetallicStage::maps`].
@@ -23,10 +23,11 @@ const COAT: usize = 4;
 const COAT_ROUGHNESS: usize = 5;
 const SHEEN_COLOR: usize = 6;
 const SHEEN_ROUGHNESS: usize = 7;
-pub(crate) const METALLIC_MAPS: usize = 8;
+/// Maps of a metallic-roughness model, in the order of [`slots`].
+pub const METALLIC_MAPS: usize = 8;
 
 /// The textures of a model in the order of the stage.
-pub(crate) fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLIC_MAPS] {
+pub fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLIC_MAPS] {
     let (coat, sheen) = (model.clearcoat.as_ref(), model.sheen.as_ref());
     [
         model.map.as_ref(),
@@ -41,7 +42,7 @@ pub(crate) fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLI
 }
 
 /// The numbers of a metallic-roughness surface.
-pub(crate) struct MetallicStage<'a> {
+pub struct MetallicStage<'a> {
     pub(crate) model: &'a MetallicRoughness,
     pub(crate) maps: [Option<&'a Slot<'a>>; METALLIC_MAPS],
     /// Occlusion is the red channel of the first map, which is read once.
@@ -50,7 +51,8 @@ pub(crate) struct MetallicStage<'a> {
 }
 
 impl<'a> MetallicStage<'a> {
-    pub(crate) fn new(
+    /// The model with its maps, bound in the order of [`slots`], and the environment that lights it.
+    pub fn new(
         model: &'a MetallicRoughness,
         mut maps: [Option<&'a Slot<'a>>; METALLIC_MAPS],
         environment: Option<&'a EnvironmentLight>,
@@ -165,15 +167,17 @@ impl<'a> MetallicStage<'a> {
 }
 
 /// The light of a metallic-roughness surface: base colors become light, not clipped.
-pub(crate) struct MetallicLight<'a> {
-    pub(crate) model: MetallicStage<'a>,
+pub struct MetallicLight<'a> {
+    /// Numbers and maps of the material.
+    pub model: MetallicStage<'a>,
     /// The base color, where no stage has stored it: its texels are those of the pair.
-    pub(crate) paired: Option<BaseColor<'a>>,
-    pub(crate) lights: Vec<LitBy<'a>>,
+    pub paired: Option<BaseColor<'a>>,
+    /// The lights in the order of the scene.
+    pub lights: Vec<LitBy<'a>>,
     /// Factor and map of baked light, and the first attribute of its coordinates.
-    pub(crate) light_map: Option<(f32, &'a Slot<'a>, usize)>,
+    pub light_map: Option<(f32, &'a Slot<'a>, usize)>,
     /// Normals are bent: the clear layer has those of the vertices.
-    pub(crate) bent: bool,
+    pub bent: bool,
 }
 
 impl Kernel for MetallicLight<'_> {

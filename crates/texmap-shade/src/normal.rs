@@ -1,29 +1,31 @@
-//! Normal detail: normal maps and procedural bumps turn the normals of the vertices. (Bump and offset maps: [`slopes`](super::slopes).)
+//! Normal detail: normal maps and procedural bumps turn the normals of the vertices. (Bump and offset maps: [`slopes`](crate::slopes).)
 
 use texmap_light::lanes::{Vector, clamp_to_horizon, unit};
 use texmap_light::{NormalMap, NormalMapGreen};
 use texmap_math::glam::DMat3;
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::batch::{flip, load, load_changes, load_vector, parts};
-use super::procedural::ProceduralBump;
-use super::slopes::Rise;
-use super::stage::{Inputs, Kernel, ShadeColumns};
-use crate::textures::Slot;
+use crate::Slot;
+use crate::batch::{flip, load, load_changes, load_vector, parts};
+use crate::procedural::ProceduralBump;
+use crate::slopes::Rise;
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// The normal detail of a surface.
-pub(crate) enum NormalSource<'s> {
+pub enum NormalSource<'s> {
     /// A height map.
     Bump(Slot<'s>, Rise),
     /// A map of slopes.
     Offsets(Slot<'s>, Rise, NormalMapGreen),
+    /// Heights of a procedure.
     Procedural(ProceduralBump),
+    /// Normals of a map.
     Map(Slot<'s>, NormalMap, NormalSpace),
 }
 
 /// The space of the vectors of a normal map.
 #[derive(Clone, Copy)]
-pub(crate) enum NormalSpace {
+pub enum NormalSpace {
     /// The object; normals go to the world by this.
     Object(DMat3),
     /// Tangent frames, which are attributes from here on.
@@ -32,7 +34,7 @@ pub(crate) enum NormalSpace {
 
 impl NormalSource<'_> {
     /// First attribute of the tangent frames.
-    pub(crate) fn tangent(&self) -> Option<usize> {
+    pub fn tangent(&self) -> Option<usize> {
         match self {
             Self::Map(_, _, NormalSpace::Tangent(first)) => Some(*first),
             _ => None,
@@ -41,13 +43,15 @@ impl NormalSource<'_> {
 }
 
 /// Normals by a normal map.
-pub(crate) struct MappedNormals<'a> {
-    /// `None` if the texels are the second of the pair: see [`TexturePair`](super::fetch::TexturePair).
-    pub(crate) slot: Option<&'a Slot<'a>>,
-    pub(crate) map: NormalMap,
-    pub(crate) space: NormalSpace,
+pub struct MappedNormals<'a> {
+    /// `None` if the texels are the second of the pair: see [`TexturePair`](crate::fetch::TexturePair).
+    pub slot: Option<&'a Slot<'a>>,
+    /// Scale and conventions of its texels.
+    pub map: NormalMap,
+    /// The frame of its normals.
+    pub space: NormalSpace,
     /// Normals turned away from the eye are brought back to the horizon.
-    pub(crate) horizon_clamp: bool,
+    pub horizon_clamp: bool,
 }
 
 impl Kernel for MappedNormals<'_> {
@@ -95,10 +99,11 @@ impl Kernel for MappedNormals<'_> {
 }
 
 /// Normals by a formula of heights in space.
-pub(crate) struct BumpedNormals<'a> {
-    pub(crate) bump: &'a ProceduralBump,
+pub struct BumpedNormals<'a> {
+    /// The heights.
+    pub bump: &'a ProceduralBump,
     /// Normals turned away from the eye are brought back to the horizon.
-    pub(crate) horizon_clamp: bool,
+    pub horizon_clamp: bool,
 }
 
 impl Kernel for BumpedNormals<'_> {

@@ -3,15 +3,17 @@
 use texmap_light::lanes::{dot, splat};
 use texmap_math::simd::{Isa, prelude::*};
 
-use super::batch::{load_vector, parts};
-use super::lighting::visibility;
-use super::projector::Projected;
-use super::stage::{Inputs, Kernel, ShadeColumns};
+use crate::batch::{load_vector, parts};
+use crate::lighting::visibility;
+use crate::projector::Projected;
+use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// Projectors that paint, the later over the earlier. `first` is the index of the first among those of the surface.
-pub(crate) struct Paint<'a> {
-    pub(crate) projectors: Vec<&'a Projected<'a>>,
-    pub(crate) first: usize,
+pub struct Paint<'a> {
+    /// The projectors.
+    pub projectors: Vec<&'a Projected<'a>>,
+    /// Index of the first in the texels of the inputs.
+    pub first: usize,
 }
 
 impl Kernel for Paint<'_> {
