@@ -88,19 +88,29 @@ impl<'s> Renderer<'s> {
                     reason: error.to_string(),
                 })
         });
-        let chains = Chains::new(scene, settings)?;
-        let ready = Arc::new(FrameResources::new(scene, settings)?);
+        let pool = pool.transpose()?;
         let n = settings.supersample;
         let shared = n == 1 && settings.msaa == 1;
-        let plan = |side: u32, aovs: &[Aov]| {
-            let samples = (settings.width * side, settings.height * side);
-            Plan::new(scene, settings, &chains, &ready, samples, aovs)
-        };
         let centres = !shared && settings.aovs.iter().any(|aov| *aov != Aov::Color);
+        let plans = || {
+            let chains = Chains::new(scene, settings)?;
+            let ready = Arc::new(FrameResources::new(scene, settings)?);
+            let plan = |side: u32, aovs: &[Aov]| {
+                let samples = (settings.width * side, settings.height * side);
+                Plan::new(scene, settings, &chains, &ready, samples, aovs)
+            };
+            let first = plan(n, if shared { &settings.aovs } else { &[] })?;
+            let centres = centres.then(|| plan(1, &settings.aovs)).transpose()?;
+            Ok::<_, RenderError>((first, centres))
+        };
+        let (plan, centres) = match &pool {
+            None => plans(),
+            Some(pool) => pool.install(plans),
+        }?;
         Ok(Self {
-            plan: plan(n, if shared { &settings.aovs } else { &[] })?,
-            centres: centres.then(|| plan(1, &settings.aovs)).transpose()?,
-            pool: pool.transpose()?,
+            plan,
+            centres,
+            pool,
             samples: (settings.msaa > 1).then_some(SAMPLES_4),
             scratch: Mutex::default(),
             warnings: scene.warnings.iter().cloned().chain(checked).collect(),

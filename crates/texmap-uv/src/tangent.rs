@@ -9,11 +9,13 @@ mod sums;
 mod triangles;
 
 use alloc::vec::Vec;
+use core::ops::Range;
 use texmap_math::glam::DVec3;
 
 use self::triangles::Input;
 use crate::UvError;
 use crate::mesh::{Mesh, unit_or_zero};
+use crate::parallel::collect_chunks;
 use crate::uv_set::UvSet;
 
 /// The tangent of every corner: a unit vector along growing u, square to the normal, and as the fourth component the
@@ -47,21 +49,28 @@ pub fn tangents(
         set,
         normals: &clean,
     });
-    Ok(found
-        .iter()
-        .zip(&clean)
-        .map(|(t, n)| {
-            t.and_then(|t| square(t, *n))
-                .unwrap_or_else(|| fallback(*n))
-        })
-        .collect())
+    Ok(collect_chunks(corners, |chunk| {
+        let corners = found[chunk.clone()].iter().zip(&clean[chunk]);
+        corners
+            .map(|(t, n)| {
+                t.and_then(|t| square(t, *n))
+                    .unwrap_or_else(|| fallback(*n))
+            })
+            .collect()
+    }))
 }
 
 /// Normals of unit length. One that is nearly that, as a file of few digits has it, stays as it is: the rule reads normals
 /// without changing them, and where tangents all but cancel each other their last bits decide.
 fn clean_normals(mesh: &Mesh<'_>, normals: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    let mut clean = Vec::with_capacity(normals.len());
-    for face in 0..mesh.faces().len() {
+    collect_chunks(mesh.faces().len(), |chunk| {
+        clean_normals_of(mesh, normals, chunk)
+    })
+}
+
+fn clean_normals_of(mesh: &Mesh<'_>, normals: &[[f32; 3]], chunk: Range<usize>) -> Vec<[f32; 3]> {
+    let mut clean = Vec::new();
+    for face in chunk {
         let own = unit_or_zero(mesh.face_normal(face));
         for k in mesh.faces().range(face) {
             let given = DVec3::from(normals[k].map(f64::from));

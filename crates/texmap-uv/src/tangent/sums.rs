@@ -5,8 +5,9 @@ use alloc::vec::Vec;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{Vec2, Vec3};
 
-use super::groups::{Group, NONE, groups, neighbours, weld};
+use super::groups::{NONE, groups, neighbours, weld};
 use super::triangles::{Input, Space, Triangle, triangles, unit};
+use crate::parallel::map_chunks;
 
 /// Around a vertex of more triangles than this, tangents that are exactly opposite are not kept apart.
 const APART: usize = 64;
@@ -22,9 +23,23 @@ pub(super) fn corner_tangents(input: &Input<'_>) -> Vec<Option<[f32; 4]>> {
     let across = neighbours(&vertices[..solid]);
     let groups = groups(good, &vertices[..solid], &across);
     let mut spaces: Vec<Option<(Space, bool)>> = vec![None; slots.len()];
-    for mut group in groups {
-        let each = sums(input, good, &vertices, &mut group);
-        for (&f, space) in group.faces.iter().zip(each) {
+    // The sums are apart from each other; the triangles take them in the order of the groups.
+    let reader = GroupReader {
+        input,
+        triangles: good,
+        vertices: &vertices,
+    };
+    let found = map_chunks(groups.all.len(), |chunk| {
+        let (mut terms, mut out) = (Vec::new(), Vec::new());
+        for group in chunk {
+            let vertex = groups.all[group].vertex;
+            reader.sums(vertex, groups.faces(group), &mut terms, &mut out);
+        }
+        out
+    });
+    let mut found = found.into_iter().flatten();
+    for (k, group) in groups.all.iter().enumerate() {
+        for (&f, space) in groups.faces(k).iter().zip(&mut found) {
             let Some(k) = vertices[f as usize].iter().position(|v| *v == group.vertex) else {
                 continue;
             };
@@ -95,93 +110,117 @@ fn mean(a: Space, b: Space) -> Space {
     }
 }
 
-/// The sum for each triangle of a group: of all of them, but for those whose tangent or bitangent is exactly opposite to its
-/// own.
-fn sums(
-    input: &Input<'_>,
-    triangles: &[Triangle],
-    vertices: &[[u32; 3]],
-    group: &mut Group,
-) -> Vec<Space> {
-    let n = input.normal(group.vertex);
-    let mut sorted = group.faces.clone();
-    sorted.sort_unstable();
-    let sum = |faces: &[u32]| sum(input, triangles, vertices, group.vertex, faces);
-    let whole = sum(&sorted);
-    let mut out = vec![whole; group.faces.len()];
-    if sorted.len() > APART {
-        return out;
-    }
-    let flat = |f: u32| {
-        let space = triangles[f as usize].space;
-        [flattened(space.s, n), flattened(space.t, n)]
-    };
-    let all: Vec<[Vec3; 2]> = sorted.iter().map(|&f| flat(f)).collect();
-    let mut known: Vec<(Vec<u32>, Space)> = Vec::new();
-    for (&f, out) in group.faces.iter().zip(&mut out) {
-        let (a, [s, t]) = (&triangles[f as usize], flat(f));
-        let joins = |g: u32, other: &[Vec3; 2]| {
-            let b = &triangles[g as usize];
-            a.vague
-                || b.vague
-                || a.piece == b.piece
-                || (s.dot(other[0]) > -1.0 && t.dot(other[1]) > -1.0)
-        };
-        if sorted.iter().zip(&all).all(|(&g, other)| joins(g, other)) {
-            continue;
+/// Triangles with area and the welded vertices of their corners.
+struct GroupReader<'a> {
+    input: &'a Input<'a>,
+    triangles: &'a [Triangle],
+    vertices: &'a [[u32; 3]],
+}
+
+/// The part of a triangle in the sum around one of its corners.
+struct Term {
+    face: u32,
+    /// Tangent and bitangent in the plane of the vertex, of unit length.
+    s: Vec3,
+    t: Vec3,
+    /// Angle at the corner; `None` for triangles that say nothing.
+    angle: Option<f32>,
+}
+
+impl GroupReader<'_> {
+    /// The sum for each triangle of a group, appended to `out`: of all of them, but for those whose tangent or bitangent is exactly
+    /// opposite to its own.
+    fn sums(&self, vertex: u32, faces: &[u32], terms: &mut Vec<Term>, out: &mut Vec<Space>) {
+        terms.clear();
+        terms.extend(faces.iter().map(|&face| self.term(vertex, face)));
+        terms.sort_unstable_by_key(|term| term.face);
+        let whole = self.sum(terms.iter());
+        let at = out.len();
+        out.resize(at + faces.len(), whole);
+        if faces.len() > APART || self.within_a_third(terms) {
+            return;
         }
-        let joined = sorted
-            .iter()
-            .zip(&all)
-            .filter(|(g, other)| joins(**g, other));
-        let joined: Vec<u32> = joined.map(|(&g, _)| g).collect();
-        *out = match known.iter().find(|(faces, _)| *faces == joined) {
-            Some((_, space)) => *space,
-            None => {
-                let space = sum(&joined);
-                known.push((joined, space));
-                space
+        let mut known: Vec<(Vec<u32>, Space)> = Vec::new();
+        for (&face, out) in faces.iter().zip(&mut out[at..]) {
+            let own = terms.binary_search_by_key(&face, |term| term.face);
+            let Some(own) = own.ok().map(|own| &terms[own]) else {
+                continue;
+            };
+            let joins = |other: &&Term| self.joins(own, other);
+            if terms.iter().all(|other| joins(&other)) {
+                continue;
             }
-        };
+            let joined = || terms.iter().filter(joins);
+            let list: Vec<u32> = joined().map(|term| term.face).collect();
+            *out = match known.iter().find(|(faces, _)| *faces == list) {
+                Some((_, space)) => *space,
+                None => {
+                    let space = self.sum(joined());
+                    known.push((list, space));
+                    space
+                }
+            };
+        }
     }
-    out
+
+    /// True if tangents and bitangents lie within 60 degrees of those of one triangle: then none is opposite to another.
+    fn within_a_third(&self, terms: &[Term]) -> bool {
+        let mut tell = terms.iter().filter(|term| term.angle.is_some());
+        let Some(one) = tell.next() else { return false };
+        tell.all(|term| one.s.dot(term.s) > 0.5 && one.t.dot(term.t) > 0.5)
+    }
+
+    /// True if the sum for one triangle holds the other.
+    fn joins(&self, one: &Term, other: &Term) -> bool {
+        let [a, b] = [one, other].map(|term| &self.triangles[term.face as usize]);
+        a.vague
+            || b.vague
+            || a.piece == b.piece
+            || (one.s.dot(other.s) > -1.0 && one.t.dot(other.t) > -1.0)
+    }
+
+    fn term(&self, vertex: u32, face: u32) -> Term {
+        let n = self.input.normal(vertex);
+        let (t, corners) = (
+            &self.triangles[face as usize],
+            &self.vertices[face as usize],
+        );
+        let at = corners.iter().position(|v| *v == vertex);
+        let angle = at.filter(|_| !t.vague).map(|i| {
+            let [here, next, last] = [0, 1, 2].map(|k| self.input.position(corners[(i + k) % 3]));
+            let (a, b) = (flattened(next - here, n), flattened(last - here, n));
+            deterministic_f64::acos(f64::from(a.dot(b).clamp(-1.0, 1.0))) as f32
+        });
+        Term {
+            face,
+            s: flattened(t.space.s, n),
+            t: flattened(t.space.t, n),
+            angle,
+        }
+    }
+
+    /// The sum of terms in the order of their triangles, weighted by angles.
+    fn sum<'t>(&self, terms: impl Iterator<Item = &'t Term>) -> Space {
+        let (mut total, mut angles) = (Space::ZERO, 0.0);
+        for term in terms {
+            let Some(angle) = term.angle else { continue };
+            total.s += term.s * angle;
+            total.t += term.t * angle;
+            total.lengths += self.triangles[term.face as usize].space.lengths * angle;
+            angles += angle;
+        }
+        Space {
+            s: unit(total.s),
+            t: unit(total.t),
+            lengths: if angles > 0.0 {
+                Vec2::new(total.lengths.x / angles, total.lengths.y / angles)
+            } else {
+                total.lengths
+            },
+        }
+    }
 }
 
 fn flattened(v: Vec3, n: Vec3) -> Vec3 {
     unit(v - n * n.dot(v))
-}
-
-fn sum(
-    input: &Input<'_>,
-    triangles: &[Triangle],
-    vertices: &[[u32; 3]],
-    vertex: u32,
-    faces: &[u32],
-) -> Space {
-    let n = input.normal(vertex);
-    let (mut total, mut angles) = (Space::ZERO, 0.0);
-    for &f in faces {
-        let t = &triangles[f as usize];
-        let at = vertices[f as usize].iter().position(|v| *v == vertex);
-        let Some(i) = at.filter(|_| !t.vague) else {
-            continue;
-        };
-        let [here, next, last] =
-            [0, 1, 2].map(|k| input.position(vertices[f as usize][(i + k) % 3]));
-        let (a, b) = (flattened(next - here, n), flattened(last - here, n));
-        let angle = deterministic_f64::acos(f64::from(a.dot(b).clamp(-1.0, 1.0))) as f32;
-        total.s += flattened(t.space.s, n) * angle;
-        total.t += flattened(t.space.t, n) * angle;
-        total.lengths += t.space.lengths * angle;
-        angles += angle;
-    }
-    Space {
-        s: unit(total.s),
-        t: unit(total.t),
-        lengths: if angles > 0.0 {
-            Vec2::new(total.lengths.x / angles, total.lengths.y / angles)
-        } else {
-            total.lengths
-        },
-    }
 }
