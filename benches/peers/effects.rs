@@ -18,9 +18,10 @@ use texmap_scene::ColorMode;
 use crate::gl::{
     GpuMesh, Target, color_mips, format, levels, program_of, target, target_texture, upload,
 };
+use crate::metallic::Metallic;
 
 /// Positions, normals and tangents in world space; the coordinates of map or projected picture.
-const VERTEX: &str = "#version 330 core
+pub(crate) const VERTEX: &str = "#version 330 core
 uniform mat4 mvp, world, onto;
 layout(location = 0) in vec3 position; layout(location = 1) in vec2 uv;
 layout(location = 2) in vec3 normal; layout(location = 3) in vec3 tangent;
@@ -79,13 +80,14 @@ pub(crate) struct Effects {
     /// The map has been drawn.
     has_map: Cell<bool>,
     meshes: [(GpuMesh, GlMatrix); 2],
+    metallic: Metallic,
 }
 
 impl Effects {
     pub(crate) fn draws(content: Content) -> bool {
         matches!(
             content,
-            Content::Lit { .. } | Content::Mirror | Content::Projective
+            Content::Lit { .. } | Content::Mirror | Content::Projective | Content::Metallic
         )
     }
 
@@ -151,6 +153,7 @@ impl Effects {
                 shadow,
                 has_map: Cell::new(false),
                 meshes: [(upload(gl, &ball)?, at), (upload(gl, &ground)?, still)],
+                metallic: Metallic::new(gl, color)?,
             })
         }
     }
@@ -181,6 +184,12 @@ impl Effects {
                     vector(gl, self.mirror, "eye", [0.0, 0.0, 1.7344]);
                     let world = turn();
                     self.mesh(gl, self.mirror, scene.matrix(), &self.meshes[0].0, world);
+                }
+                Content::Metallic => {
+                    let clamped = self.clamped;
+                    let program = self.metallic.bind(gl, (base, trilinear), clamped);
+                    vector(gl, program, "eye", [0.0, 0.0, 1.7344]);
+                    self.mesh(gl, program, scene.matrix(), &self.meshes[0].0, turn());
                 }
                 Content::Projective => {
                     let program = self.projective;
@@ -253,7 +262,7 @@ impl Effects {
     }
 }
 
-unsafe fn bind(
+pub(crate) unsafe fn bind(
     gl: &glow::Context,
     program: glow::Program,
     unit: u32,
@@ -277,7 +286,7 @@ unsafe fn matrix(gl: &glow::Context, program: glow::Program, name: &str, GlMatri
     }
 }
 
-unsafe fn vector(gl: &glow::Context, program: glow::Program, name: &str, v: [f64; 3]) {
+pub(crate) unsafe fn vector(gl: &glow::Context, program: glow::Program, name: &str, v: [f64; 3]) {
     let [x, y, z] = v.map(|c| c as f32);
     unsafe {
         let at = gl.get_uniform_location(program, name);

@@ -19,6 +19,7 @@
 mod effects;
 mod gl;
 mod llvmpipe;
+mod metallic;
 mod texmap;
 
 use std::fmt::Write as _;

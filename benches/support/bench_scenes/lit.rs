@@ -1,8 +1,8 @@
 //! The benchmark scenes under lighting effects.
 
 use texmap_light::{
-    Environment, EnvironmentLayout, Light, NormalMapGreen, PhongMaterial, ProjectorBorder,
-    ShadowBias, SpecularModel,
+    Environment, EnvironmentLayout, EnvironmentLight, Light, NormalMapGreen, PhongMaterial,
+    ProjectorBorder, ShadowBias, SpecularModel,
 };
 use texmap_math::Projector;
 use texmap_math::color::srgb8_to_linear;
@@ -10,8 +10,8 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
 use texmap_sample::{ColorSpace, Filter, Origin, Precision, SampleError, Sampler, Texture2d};
 use texmap_scene::{
-    ColorMode, Material, Mesh, NormalDetail, ProjectorLight, ProjectorMode, Reflection, Scene,
-    Shadow, TextureSlot,
+    ColorMode, Material, Mesh, MetallicRoughness, NormalDetail, ProjectorLight, ProjectorMode,
+    Reflection, Scene, Shadow, TextureSlot,
 };
 
 use super::scene::model;
@@ -26,6 +26,17 @@ pub const MIDDLE: [f64; 3] = [0.0, 0.5, 0.0];
 pub const LIGHT_AREA: f64 = 1.861_234_573_9;
 /// Depth of 0 to 1 that the peers subtract before they compare.
 pub const SHADOW_BIAS: f32 = 0.002;
+
+/// Roughness of `pbr`.
+pub const ROUGHNESS: f32 = 0.35;
+/// Metalness of `pbr`.
+pub const METALLIC: f32 = 0.5;
+/// Position of the point light of `pbr`.
+pub const METALLIC_LIGHT: [f64; 3] = [3.0, 2.0, 3.0];
+/// Direction to the directional light of `pbr`, of unit length.
+pub const METALLIC_SUN: [f64; 3] = [-0.48, 0.6, 0.64];
+/// Color of each light of `pbr`.
+pub const METALLIC_LIGHTS: [f32; 3] = [0.5; 3];
 
 /// The turn of the spheres.
 #[must_use]
@@ -115,6 +126,31 @@ pub(super) fn scene(scene: &BenchScene, precision: Precision) -> Result<Scene, S
             out.meshes.push(mesh(sphere(448, 224), model()));
             return Ok(out);
         }
+        Content::Metallic => {
+            out.effects.environment_light = metallic_environment(scene.color);
+            out.textures = vec![picture(BASE_SIZE, base())?];
+            out.lights = vec![
+                Light::Point {
+                    color: METALLIC_LIGHTS,
+                    position: METALLIC_LIGHT.map(|c| c as f32),
+                },
+                Light::Directional {
+                    color: METALLIC_LIGHTS,
+                    direction: METALLIC_SUN.map(|c| -c as f32),
+                },
+            ];
+            out.materials.push(Material {
+                phong: surface(0.0, 0.0, 0.0),
+                metallic_roughness: Some(MetallicRoughness {
+                    metallic: METALLIC,
+                    roughness: ROUGHNESS,
+                    ..MetallicRoughness::default()
+                }),
+                ..textured
+            });
+            out.meshes.push(mesh(sphere(448, 224), model()));
+            return Ok(out);
+        }
         Content::Projective => {
             out.textures = vec![picture(BASE_SIZE, base())?, picture(FACE_SIZE, slide())?];
             out.lights.push(Light::Ambient { color: [0.3; 3] });
@@ -198,6 +234,12 @@ fn environment(color: ColorMode) -> Option<Environment> {
         .collect();
     let faces = Environment::from_texels(EnvironmentLayout::Cube, (FACE_SIZE, FACE_SIZE), &texels);
     faces.ok().map(Environment::with_mips)
+}
+
+/// The light of the environment of `pbr`: that of `env`, gathered by lobes.
+#[must_use]
+pub fn metallic_environment(color: ColorMode) -> Option<EnvironmentLight> {
+    EnvironmentLight::new(&environment(color)?, FACE_SIZE / 4).ok()
 }
 
 fn projector(precision: Precision) -> Option<ProjectorLight> {

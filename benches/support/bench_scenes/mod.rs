@@ -13,7 +13,8 @@ mod textures;
 
 pub use geometry::{BenchMesh, HEIGHT, WIDTH, floor, layers, rects, sphere};
 pub use lit::{
-    LIGHT_AREA, MIDDLE, SHADOW_BIAS, light_matrix, lit_matrix, lit_meshes, slide_matrix, turn,
+    LIGHT_AREA, METALLIC, METALLIC_LIGHT, METALLIC_LIGHTS, METALLIC_SUN, MIDDLE, ROUGHNESS,
+    SHADOW_BIAS, light_matrix, lit_matrix, lit_meshes, metallic_environment, slide_matrix, turn,
 };
 pub use matrices::GlMatrix;
 pub use scene::Hidden;
@@ -87,6 +88,8 @@ pub enum Content {
     Mirror,
     /// Sphere and floor of `Lit` under a projector.
     Projective,
+    /// The sphere of 200 thousand triangles, half metal, under a prefiltered environment and two lights.
+    Metallic,
 }
 
 /// One row of the race.
@@ -142,7 +145,7 @@ impl BenchScene {
                 GlMatrix::perspective(60.0, f64::from(WIDTH) / f64::from(HEIGHT), 0.1, 300.0)
                     .then_after(&GlMatrix::look_at([0.0, 2.0, 8.0], [0.0, 0.0, 2.0]))
             }
-            Content::Sphere { .. } | Content::Mirror => {
+            Content::Sphere { .. } | Content::Mirror | Content::Metallic => {
                 GlMatrix::perspective(60.0, f64::from(WIDTH) / f64::from(HEIGHT), 0.1, 100.0)
                     .then_after(&GlMatrix::look_at([0.0, 0.0, 1.7344], [0.0; 3]))
                     .then_after(&model)
@@ -160,7 +163,9 @@ impl BenchScene {
             Content::Clear => BenchMesh::default(),
             Content::Floor => floor(200.0, 1.0 / 8.0),
             Content::Layers { .. } => layers(),
-            Content::Lit { .. } | Content::Mirror | Content::Projective => sphere(448, 224),
+            Content::Lit { .. } | Content::Mirror | Content::Projective | Content::Metallic => {
+                sphere(448, 224)
+            }
             Content::Sphere { thousands, .. } | Content::Depth { thousands } => match thousands {
                 20 => sphere(142, 71),
                 200 => sphere(448, 224),
@@ -199,7 +204,7 @@ pub const SCENES: &[BenchScene] = &{
 
 const DEPTH_ROWS: usize = 2;
 
-const RAW: [BenchScene; 23] = {
+const RAW: [BenchScene; 24] = {
     const fn row(
         name: &'static str,
         filter: &'static str,
@@ -264,5 +269,6 @@ const RAW: [BenchScene; 23] = {
         row("lit+shadowpass", "pcf9-nearest", lit(true), Trilinear),
         row("env", "seamless", Content::Mirror, Lookup::None),
         row("projective", "trilinear", Content::Projective, Trilinear),
+        row("pbr", "trilinear", Content::Metallic, Trilinear),
     ]
 };

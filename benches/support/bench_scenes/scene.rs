@@ -38,7 +38,7 @@ impl BenchScene {
     ) -> Result<Option<Scene>, SampleError> {
         match self.content {
             Content::Depth { .. } => return Ok(None),
-            Content::Lit { .. } | Content::Mirror | Content::Projective => {
+            Content::Lit { .. } | Content::Mirror | Content::Projective | Content::Metallic => {
                 return super::lit::scene(self, precision).map(Some);
             }
             _ => {}
@@ -103,7 +103,9 @@ impl BenchScene {
         let (eye, look, near, far) = match self.content {
             Content::Lit { .. } | Content::Projective => (LIT_EYE, [0.0, 0.8, 0.0], 0.1, 100.0),
             Content::Floor => ([0.0, 2.0, 8.0], [0.0, 0.0, 2.0], 0.1, 300.0),
-            Content::Sphere { .. } | Content::Mirror => ([0.0, 0.0, 1.7344], [0.0; 3], 0.1, 100.0),
+            Content::Sphere { .. } | Content::Mirror | Content::Metallic => {
+                ([0.0, 0.0, 1.7344], [0.0; 3], 0.1, 100.0)
+            }
             _ => ([0.0; 3], [0.0, 0.0, -1.0], 0.1, 100.0),
         };
         Camera {
