@@ -1,13 +1,15 @@
 //! Files of every kind that texmap reads.
 
+use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::path::Path;
 use texmap_mesh::tessellate;
 
 use texmap_io::{
-    CameraList, CameraPath, FileSource, IoError, LoadOptions, image_io, load_bytes, npy as array,
-    read_environment, read_grid, scene_file,
+    CameraList, CameraPath, FileSource, IoError, LightPath, LoadOptions, image_io, load_bytes,
+    npy as array, read_environment, read_grid, scene_file,
 };
-use texmap_light::EnvironmentLayout;
+use texmap_light::{EnvironmentLayout, Light};
 use texmap_math::glam::DVec3;
 use texmap_planner::{Budget, choose};
 use texmap_render::{RenderSettings, render};
@@ -181,6 +183,110 @@ pub fn cameras(bytes: &[u8]) {
             }
         }
     });
+}
+
+/// An image for GPUs (DDS, KTX2): refused by name, or decoded to what its head says, and sampled from its blocks.
+pub fn gpu_image(bytes: &[u8]) {
+    // Files are told by their first bytes.
+    in_folder(&[("fuzz.dds", bytes)], |folder| {
+        let path = folder.join("fuzz.dds");
+        let size = match image_io::read_image(&path) {
+            Ok(image) => {
+                assert!(image.width > 0 && image.height > 0 && (1..=4).contains(&image.channels));
+                Some((image.width, image.height))
+            }
+            Err(error) => {
+                named(&error, "");
+                None
+            }
+        };
+        for space in [ColorSpace::Srgb, ColorSpace::Linear] {
+            let texture = match image_io::read_texture(&path, space) {
+                Ok((texture, _)) => texture,
+                Err(error) => {
+                    named(&error, "");
+                    continue;
+                }
+            };
+            let (width, height) = (texture.width(), texture.height());
+            assert_eq!(size, Some((width, height)));
+            for level in 0..texture.levels() {
+                let texel = texture.texel(level, 0, 0).expect("a texel of a level");
+                let floats = texture.block_format().is_none();
+                let plain = |c: &f32| floats || (-1.0..=1.0).contains(c);
+                assert!(texel.iter().all(plain), "level {level}: {texel:?}");
+            }
+        }
+    });
+}
+
+/// A path of a light: refused by name, or lights of every kind but the ambient one.
+pub fn light_path(bytes: &[u8]) {
+    in_folder(&[("fuzz.json", bytes)], |folder| {
+        let path = folder.join("fuzz.json");
+        let path = match LightPath::read_from(&path, &FileSource::anywhere()) {
+            Ok(path) => path,
+            Err(error) => return named(&error, &String::from_utf8_lossy(bytes)),
+        };
+        let (color, position) = ([0.5; 3], [0.0, 2.0, 1.0]);
+        let moving = [
+            Light::Directional {
+                color,
+                direction: [0.0, -1.0, 0.0],
+            },
+            Light::Point { color, position },
+            Light::spot(color, position, [0.0, -1.0, 0.0], 30.0, 2.0),
+        ];
+        for (frame, frames) in [(0, 1), (0, 7), (3, 7), (6, 7), (9, 7), (0, 0)] {
+            for light in &moving {
+                let moved = path.light(light, frame, frames).expect("a light moves");
+                assert_eq!(
+                    std::mem::discriminant(&moved),
+                    std::mem::discriminant(light)
+                );
+            }
+            let ambient = Light::Ambient { color };
+            assert!(path.light(&ambient, frame, frames).is_none());
+        }
+    });
+}
+
+/// A manifest of a batch: refused by a message, or units with ids of their own and a command line each.
+pub fn manifest(bytes: &[u8]) {
+    in_folder(&[("fuzz.json", bytes)], |folder| {
+        let manifest = folder.join("fuzz.json");
+        for (verb, more) in [
+            ("render", &["-o", "out/{id}.png"][..]),
+            ("render", &["--unit", "frame"]),
+            ("render", &["--bands", "3"]),
+            ("bake", &[]),
+        ] {
+            let mut words: Vec<OsString> = ["texmap", "batch", verb].map(OsString::from).into();
+            words.push(manifest.clone().into_os_string());
+            words.extend(more.iter().map(OsString::from));
+            match texmap_cli::batch_units(&words) {
+                Ok(units) => {
+                    let ids: BTreeSet<&String> = units.iter().map(|(id, _)| id).collect();
+                    assert_eq!(ids.len(), units.len());
+                    for (_, words) in &units {
+                        assert_eq!(words[..2], ["texmap", verb]);
+                    }
+                }
+                Err(said) => assert!(!said.is_empty()),
+            }
+        }
+    });
+}
+
+/// The report of a shard: refused by a message, or a batch of which every unit is there.
+pub fn report(bytes: &[u8]) {
+    in_folder(
+        &[("fuzz.jsonl", bytes)],
+        |folder| match texmap_cli::merged_units(&folder.join("fuzz.jsonl")) {
+            Ok(units) => assert!(units <= bytes.len() as u64),
+            Err(said) => assert!(!said.is_empty()),
+        },
+    );
 }
 
 /// A scene, and a budget of its first bytes: plans have finite prices, keep what they say and draw.

@@ -8,7 +8,10 @@ mod sample;
 mod uv;
 
 pub use draw::draw;
-pub use files::{cameras, gltf, image, mtl, npy, obj, path, planner, ply, scene, stl};
+pub use files::{
+    cameras, gltf, gpu_image, image, light_path, manifest, mtl, npy, obj, path, planner, ply,
+    report, scene, stl,
+};
 pub use light::light;
 pub use sample::sample;
 pub use uv::uv;

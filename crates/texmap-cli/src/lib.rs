@@ -15,6 +15,8 @@ use clap::Parser;
 use crate::args::{Cli, Verb};
 use crate::failure::{Exit, Failure};
 
+pub use planned::{batch_units, merged_units};
+
 mod args;
 mod cmd;
 mod digits;
@@ -26,6 +28,7 @@ mod observe;
 mod os_name;
 mod output;
 mod picture;
+mod planned;
 mod progress;
 mod values;
 

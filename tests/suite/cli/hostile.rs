@@ -8,7 +8,7 @@ use std::process::Command;
 use crate::program::Desk;
 
 /// Every argument of every verb that takes a file to read, as `X`; the ending that it needs.
-const READERS: [(&str, &str); 26] = [
+const READERS: [(&str, &str); 34] = [
     ("render X -o out.png", "scene"),
     ("render X -o out.png", "obj"),
     ("render room.scene -o w%d.png --frames 2 --path X", "json"),
@@ -35,6 +35,17 @@ const READERS: [(&str, &str); 26] = [
     ("slice X -o out.png", "npy"),
     ("slice marble --ramp X -o out.png", "png"),
     ("chart X -o out.html", "scene"),
+    ("render @X -o w%d.png", "txt"),
+    ("render room.scene -o w%d.png --cameras X", "json"),
+    ("render m.obj -o out.png --texture X", "png"),
+    ("render m.obj -o out.png --env X", "hdr"),
+    ("compress X -o out.dds", "png"),
+    ("batch X -o out/", "json"),
+    ("batch @X -o out/", "txt"),
+    (
+        "render room.scene -o w%d.png --frames 2 --light-path X",
+        "json",
+    ),
 ];
 
 #[test]
@@ -61,6 +72,50 @@ fn pipes_devices_and_folders_are_refused_wherever_a_file_is_read() {
             desk.refused(&line, 4, code);
         }
     }
+}
+
+#[test]
+fn reports_of_shards_and_what_they_name_are_regular_files_in_their_folder() {
+    let desk = Desk::new();
+    let report = desk.path("out/.texmap/report.jsonl");
+    std::fs::create_dir_all(desk.path("out/.texmap")).unwrap();
+    symlink("/dev/zero", &report).unwrap();
+    desk.refused("merge out -o all", 4, "error[not-a-file]: ");
+    std::fs::remove_file(&report).unwrap();
+    let head = "{\"texmap\":\"0\",\"schema\":1,\"verb\":\"render\",\"shard\":\"1/1\",\"folder\":\"..\",\"units\":1,\
+                \"units_hash\":\"a\",\"settings_hash\":\"b\"}\n";
+    let unit = |more: &str| {
+        format!(
+            "{head}{{\"id\":\"a\",\"index\":0,\"status\":\"ok\",\"code\":0,\"input\":\"a.obj\",\"warnings\":[],\"ms\":1,\
+             \"settings_hash\":\"c\",\"texmap\":\"0\"{more}}}\n"
+        )
+    };
+    let output = |path: &str| {
+        let mark = "\"bytes\":0,\"hash\":\"blake3:af1349b9f5f9a1a6a0404dea36dcc949\"";
+        unit(&format!(",\"outputs\":[{{\"path\":\"{path}\",{mark}}}]"))
+    };
+    let pipe = desk.path("out/pipe.png");
+    Command::new("mkfifo").arg(&pipe).status().unwrap();
+    desk.put("out/empty.png", "");
+    desk.put("stray.png", "");
+    for (text, code) in [
+        (output("pipe.png"), "error[shard-output]: "),
+        (output("../stray.png"), "error[shard-output]: "),
+        (
+            unit(",\"band\":{\"picture\":\"a.png\",\"index\":1,\"count\":1}"),
+            "error[shard-report]: ",
+        ),
+        (
+            head.replace(":1,\"units_hash", ":18446744073709551615,\"units_hash"),
+            "error[not-complete]: ",
+        ),
+    ] {
+        desk.put("out/.texmap/report.jsonl", &text);
+        let exit = if code.contains("complete") { 75 } else { 4 };
+        desk.refused("merge out -o all", exit, code);
+    }
+    desk.put("out/.texmap/report.jsonl", &output("empty.png"));
+    desk.texmap("merge out -o all").ok();
 }
 
 #[test]

@@ -348,6 +348,79 @@ fn camera_lists() {
 }
 
 #[test]
+fn images_for_gpus() {
+    smoke("gpu_image", &[], 4000, targets::gpu_image);
+}
+
+#[test]
+fn light_paths() {
+    let words = [
+        "1e309",
+        "1e308",
+        "-0",
+        "null",
+        "[",
+        "]",
+        "{}",
+        ",",
+        "\"position\":[0,0,0]",
+        "\"look\":[0,0,0]",
+        "\"direction\":[0,0,0]",
+        "\"color\":[1e-320,0,0]",
+        "\n",
+        "true",
+    ];
+    smoke("light_path", &words, 4000, targets::light_path);
+}
+
+#[test]
+fn manifests_of_batches() {
+    let words = [
+        "1",
+        "-1",
+        "null",
+        "true",
+        "[",
+        "]",
+        "{}",
+        ",",
+        "\"-\"",
+        "\"settings\":{\"turntable\":3}",
+        "\"settings\":{\"output\":\"x\"}",
+        "\"frames\":4294967295",
+        "\"turntable\":99999999999",
+        "\"views\":[]",
+        "\"to\":[\"0,0\",\"--json\"]",
+        "\"id\":\"\"",
+        "\"output\":\"{id}.png\"",
+        "{dir}",
+        "%d",
+        "../",
+        "\\u0000",
+        "\n",
+    ];
+    smoke("manifest", &words, 400, targets::manifest);
+}
+
+#[test]
+fn reports_of_shards() {
+    let words = [
+        "18446744073709551615",
+        "4294967295/4294967295",
+        "0/0",
+        "0-18446744073709551615",
+        "-1",
+        "null",
+        "\"killed\"",
+        "\"planned\"",
+        "\n",
+        "{}",
+        "..",
+    ];
+    smoke("report", &words, 4000, targets::report);
+}
+
+#[test]
 fn plans() {
     let words = [
         "nan",

@@ -22,8 +22,14 @@ pub(crate) struct FileMark {
 }
 
 impl FileMark {
-    /// Reads a file.
+    /// Reads a regular file. Another kind may have no end, or wait for a writer.
     pub(crate) fn of(path: &Path) -> io::Result<Self> {
+        if !fs::metadata(path)?.is_file() {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "it is no regular file",
+            ));
+        }
         let mut hasher = blake3::Hasher::new();
         hasher.update_reader(File::open(path)?)?;
         Ok(Self {
@@ -101,6 +107,7 @@ mod tests {
         assert!(!Marks::default().hold(&mark));
         fs::remove_file(&path).unwrap();
         assert!(!marks.hold(&mark) && marks.of(&path).is_none());
+        assert!(FileMark::of(dir.path()).is_err(), "a folder");
         assert_ne!(hash_of_parts(["ab", "c"]), hash_of_parts(["a", "bc"]));
         assert_eq!(hash_of_parts(["ab"]).len(), "blake3:".len() + 32);
     }

@@ -1,12 +1,11 @@
 //! The manifest of a batch: items with ids, outputs and settings of their own, as JSON.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde_json::Value;
+use texmap_io::{FileSource, shortened};
 
 use crate::cmd::batch::args::BatchVerb;
 use crate::cmd::batch::settings::Settings;
@@ -68,14 +67,9 @@ impl Manifest {
             Failure::new(Exit::Input, "manifest", what, why)
         };
         let why = "docs/batch.md has the schema of manifests";
-        let file = File::open(path).map_err(|e| {
-            refused(
-                format!("cannot be read: {e}"),
-                "name the manifest, or write @LIST for a list of files",
-            )
-        })?;
-        let file: File1 = serde_json::from_reader(BufReader::new(file))
-            .map_err(|e| refused(e.to_string(), why))?;
+        let text = FileSource::anywhere().read_text(path, FileSource::MAX_LIST)?;
+        let file: File1 = serde_json::from_str(&text)
+            .map_err(|e| refused(shortened(&e.to_string()).to_string(), why))?;
         if file.version != VERSION {
             let what = format!(
                 "a manifest of version {}; this program reads {VERSION}",

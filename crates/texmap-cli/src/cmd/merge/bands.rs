@@ -10,7 +10,7 @@ use texmap_render::PixelHash;
 use texmap_sample::ColorSpace;
 use texmap_truth::buffer::Buffer;
 
-use super::shards::Report;
+use super::shards::{Report, bad};
 use crate::cmd::batch::files::FileMark;
 use crate::cmd::batch::record::{Record, Status};
 use crate::failure::{Exit, Failure};
@@ -45,10 +45,8 @@ pub(super) fn join(parts: &[(&Report, &Record)], output: &Path) -> Result<FileMa
     let (mut width, mut height, mut deep) = (0, 0, false);
     for (report, record) in parts {
         let Some(mark) = record.outputs.first() else {
-            return Err(Failure::internal(format!(
-                "{}: a band without a file",
-                record.id
-            )));
+            let what = format!("the band {} has no file", record.id);
+            return Err(bad(&report.path, &what));
         };
         let path = report.folder.join(&mark.path);
         let band = read_image(&path)?;

@@ -6,7 +6,7 @@ mod shards;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use rayon::prelude::*;
@@ -51,6 +51,11 @@ struct Merged {
     report: String,
     /// Pictures that were joined from bands.
     pictures: Vec<FileMark>,
+}
+
+/// Number of the units of the batch whose reports these are, all of them once.
+pub(crate) fn units(shards: &[PathBuf]) -> Result<u64, Failure> {
+    Ok(unite(&read(shards)?)?.units)
 }
 
 pub(crate) fn run(args: &MergeArgs) -> Result<Exit, Failure> {
@@ -98,9 +103,12 @@ pub(crate) fn run(args: &MergeArgs) -> Result<Exit, Failure> {
     let mut joined = Vec::new();
     for (name, mut parts) in pictures {
         parts.sort_by_key(|(_, record)| record.band.as_ref().map(|band| band.index));
-        let output = match single {
-            true => args.output.clone(),
-            false => base.join(name),
+        let output = match (single, parts.first()) {
+            (true, _) => args.output.clone(),
+            (false, Some((report, record))) if leads_out(name) => {
+                return Err(lost(report, record, Path::new(name), OUTSIDE));
+            }
+            (false, _) => base.join(name),
         };
         let Some(mut record) = bands::record(&parts) else {
             continue;
@@ -168,6 +176,14 @@ fn is_picture(output: &Path) -> bool {
     ending.is_some_and(|e| e.eq_ignore_ascii_case("png")) && !output.is_dir()
 }
 
+const OUTSIDE: &str = "it lies outside of the folder of its shard";
+
+/// True for a name that may lead out of the folder that it is joined to: a report may come from another machine.
+fn leads_out(name: &str) -> bool {
+    let plain = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    !Path::new(name).components().all(plain)
+}
+
 /// Reads the outputs of a unit, which must be those that its report tells of.
 fn verify(report: &Report, record: &Record) -> Result<(), Failure> {
     for output in &record.outputs {
@@ -206,13 +222,8 @@ fn copy(report: &Report, record: &Record, base: &Path) -> Result<(), Failure> {
         if from == to || same_file(&from, &to) {
             continue;
         }
-        if Path::new(&output.path).is_absolute() {
-            return Err(lost(
-                report,
-                record,
-                &from,
-                "it lies outside of the folder of its shard",
-            ));
+        if leads_out(&output.path) {
+            return Err(lost(report, record, &from, OUTSIDE));
         }
         let main = Destination::new(&to)?;
         let mut stage = Stage::new(&main)?;
@@ -239,4 +250,19 @@ fn copy(report: &Report, record: &Record, base: &Path) -> Result<(), Failure> {
 
 fn same_file(a: &Path, b: &Path) -> bool {
     fs::canonicalize(a).is_ok_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_reports_stay_in_their_folder() {
+        for name in ["a.png", "b/a.png", "./a.png"] {
+            assert!(!leads_out(name), "{name}");
+        }
+        for name in ["../a.png", "b/../../a.png", "/a.png", ".."] {
+            assert!(leads_out(name), "{name}");
+        }
+    }
 }

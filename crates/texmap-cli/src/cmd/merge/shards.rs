@@ -1,9 +1,10 @@
 //! The reports of shards, read and held against each other.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{BufRead, BufReader};
+use std::fs;
 use std::path::{Path, PathBuf};
+
+use texmap_io::{FileSource, shortened};
 
 use crate::cmd::batch::plan::STATE;
 use crate::cmd::batch::record::{Header, Record, SCHEMA, Status};
@@ -54,15 +55,17 @@ pub(super) fn read(shards: &[PathBuf]) -> Result<Vec<Report>, Failure> {
 }
 
 fn report(path: &Path) -> Result<Report, Failure> {
-    let file = File::open(path).map_err(|e| bad(path, &e.to_string()))?;
+    let text = FileSource::anywhere().read_text(path, FileSource::MAX_LIST)?;
     let mut header: Option<Header> = None;
     let mut records = Vec::new();
-    for (line, number) in BufReader::new(file).lines().zip(1..) {
-        let fault = |e: String| bad(path, &format!("line {number}: {e}"));
-        let line = line.map_err(|e| fault(e.to_string()))?;
+    for (line, number) in text.lines().zip(1..) {
+        let fault = |e: serde_json::Error| {
+            let what = format!("line {number}: {}", shortened(&e.to_string()));
+            bad(path, &what)
+        };
         match header {
-            None => header = Some(serde_json::from_str(&line).map_err(|e| fault(e.to_string()))?),
-            Some(_) => records.push(serde_json::from_str(&line).map_err(|e| fault(e.to_string()))?),
+            None => header = Some(serde_json::from_str(line).map_err(fault)?),
+            Some(_) => records.push(serde_json::from_str(line).map_err(fault)?),
         }
     }
     let header = header.ok_or_else(|| bad(path, "it is empty"))?;
@@ -91,7 +94,7 @@ fn report(path: &Path) -> Result<Report, Failure> {
     })
 }
 
-fn bad(path: &Path, why: &str) -> Failure {
+pub(super) fn bad(path: &Path, why: &str) -> Failure {
     Failure::new(
         Exit::Input,
         "shard-report",
@@ -146,21 +149,35 @@ pub(super) fn unite(reports: &[Report]) -> Result<Header, Failure> {
             }
         }
     }
-    let done = |index: &u64| {
-        owners
-            .get(index)
-            .is_some_and(|(_, r)| r.status != Status::Killed)
-    };
-    let missing: Vec<u64> = (0..first.header.units)
-        .filter(|index| !done(index))
-        .collect();
-    match missing.is_empty() {
+    let ended = owners
+        .iter()
+        .filter(|(_, (_, r))| r.status != Status::Killed);
+    let missing = gaps(ended.map(|(index, _)| *index), first.header.units);
+    match missing.0.is_empty() {
         true => Ok(first.header.clone()),
-        false => Err(incomplete(reports, missing)),
+        false => Err(incomplete(reports, &missing)),
     }
 }
 
-fn incomplete(reports: &[Report], missing: Vec<u64>) -> Failure {
+/// The numbers below `all` that do not stand among ascending ones. A report may state any number of units.
+fn gaps(ascending: impl Iterator<Item = u64>, all: u64) -> Ranges {
+    let mut ranges = Vec::new();
+    let mut next = 0;
+    for index in ascending.take_while(|index| *index < all) {
+        if index > next {
+            ranges.push(next..=index - 1);
+        }
+        next = index + 1;
+    }
+    if next < all {
+        ranges.push(next..=all - 1);
+    }
+    Ranges(ranges)
+}
+
+fn incomplete(reports: &[Report], missing: &Ranges) -> Failure {
+    /// More shards than that are not named one by one.
+    const MOST_SHARDS: u32 = 1 << 20;
     let units = reports.first().map_or(0, |report| report.header.units);
     let parts: Option<Vec<Part>> = reports
         .iter()
@@ -168,27 +185,30 @@ fn incomplete(reports: &[Report], missing: Vec<u64>) -> Failure {
         .collect();
     let count = parts.and_then(|parts| {
         let count = parts.first()?.count;
-        parts
-            .iter()
-            .all(|part| part.count == count)
-            .then_some(count)
+        let same = count <= MOST_SHARDS && parts.iter().all(|part| part.count == count);
+        same.then_some(count)
     });
-    let number = missing.len();
+    let number: u64 = missing.0.iter().map(|r| r.end() - r.start() + 1).sum();
     let names = match count {
         Some(count) => {
             let part = |index| Part { index, count };
             let late = (1..=count).map(part).filter(|part| {
                 let units = part.of(units);
-                let after = missing.partition_point(|unit| *unit < units.start);
-                missing.get(after).is_some_and(|unit| *unit < units.end)
+                let after = missing.0.partition_point(|gap| *gap.end() < units.start);
+                missing
+                    .0
+                    .get(after)
+                    .is_some_and(|gap| *gap.start() < units.end)
             });
             let late: Vec<String> = late.map(|part| part.to_string()).collect();
             format!("shard {}", some(&late))
         }
         None => {
-            let ranges = Ranges::of(missing);
-            let words: Vec<String> = ranges.to_string().split(',').map(str::to_owned).collect();
-            format!("units {}", some(&words))
+            let ranges = missing
+                .0
+                .iter()
+                .map(|gap| Ranges(vec![gap.clone()]).to_string());
+            format!("units {}", some(&ranges.collect::<Vec<_>>()))
         }
     };
     Failure::new(
@@ -206,5 +226,22 @@ fn some(names: &[String]) -> String {
     match rest {
         0 => first.join(", "),
         rest => format!("{} and {rest} more", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_the_numbers_that_are_not_there() {
+        let of = |there: &[u64], all| gaps(there.iter().copied(), all).to_string();
+        assert_eq!(of(&[1, 2, 5, 9], 8), "0,3-4,6-7");
+        assert_eq!(of(&[0, 1], 2), "");
+        assert_eq!(
+            of(&[3], u64::MAX),
+            "0-2,4-18446744073709551614",
+            "as many as a report can state"
+        );
     }
 }
