@@ -18,6 +18,7 @@ pub(crate) fn files() -> Vec<(String, Vec<u8>)> {
         ("plates.bin", plates_bytes),
         ("leaf card.png", card().png()),
         ("mirrored.glb", mirrored()),
+        ("tangents.glb", tangents()),
         ("bent.glb", shapes::bent()),
         ("sparse.gltf", shapes::sparse()),
         ("quantized.glb", quantized()),
@@ -194,6 +195,50 @@ fn mirrored() -> Vec<u8> {
         }}],
         "textures": [{"source": 0}, {"source": 1}],
         "images": images,
+    }))
+}
+
+/// Four plates of bumps that look alike. Their coordinates are upright, upright with tangents, mirrored and turned by a quarter; the file
+/// says the tangents of the last three. The pictures of bumps are the same under all of these.
+fn tangents() -> Vec<u8> {
+    let mut buffer = Buffer::default();
+    let mirrored = SQUARE_UV.map(|[u, v]| [1.0 - u, v]);
+    // u grows upwards and v to the right.
+    let turned = SQUARE_UV.map(|[u, v]| [1.0 - v, u]);
+    let plates = [
+        ("computed", SQUARE_UV, None),
+        ("upright", SQUARE_UV, Some([1.0, 0.0, 0.0, 1.0])),
+        ("mirrored", mirrored, Some([-1.0, 0.0, 0.0, -1.0])),
+        ("turned", turned, Some([0.0, 1.0, 0.0, 1.0])),
+    ];
+    let indices = buffer.indices(&SQUARE_INDICES);
+    let positions = buffer.floats(&SQUARE);
+    let normals = buffer.floats(&[[0.0, 0.0, 1.0]; 4]);
+    let meshes: Vec<Value> = plates
+        .iter()
+        .map(|(name, uvs, tangent)| {
+            let mut attributes = json!({
+                "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": buffer.floats(uvs),
+            });
+            if let Some(tangent) = tangent {
+                attributes["TANGENT"] = buffer.floats(&[*tangent; 4]).into();
+            }
+            json!({"name": name, "primitives": [{"attributes": attributes, "indices": indices, "material": 0}]})
+        })
+        .collect();
+    let nodes: Vec<Value> = (0..4)
+        .map(|n| json!({"mesh": n, "translation": [1.1 * f64::from(n) - 1.65, 0.0, 0.0]}))
+        .collect();
+    let picture = buffer.view(&bumps().png());
+    buffer.glb(json!({
+        "scenes": [{"nodes": [0, 1, 2, 3]}],
+        "nodes": nodes,
+        "meshes": meshes,
+        "materials": [{"name": "bumps", "normalTexture": {"index": 0}, "pbrMetallicRoughness": {
+            "baseColorFactor": [0.8, 0.55, 0.3, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.4,
+        }}],
+        "textures": [{"source": 0}],
+        "images": [{"bufferView": picture, "mimeType": "image/png"}],
     }))
 }
 

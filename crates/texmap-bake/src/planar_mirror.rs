@@ -262,6 +262,7 @@ fn between(mesh: &mut Mesh, a: u32, b: u32, t: f32) -> u32 {
     let index = mesh.positions.len() as u32;
     mix(&mut mesh.positions, a, b, t);
     mix(&mut mesh.normals, a, b, t);
+    mix(&mut mesh.tangents, a, b, t);
     mix(&mut mesh.uvs, a, b, t);
     mix(&mut mesh.lightmap_uvs, a, b, t);
     mix(&mut mesh.colors, a, b, t);

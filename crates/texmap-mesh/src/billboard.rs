@@ -54,6 +54,7 @@ fn place(mesh: &mut Mesh, axes: impl Fn(&Billboard) -> [DVec3; 2]) {
     mesh.world_from_object = DMat4::IDENTITY;
     mesh.positions.clear();
     mesh.normals.clear();
+    mesh.tangents.clear();
     for board in &mesh.billboards {
         let [right, up] = axes(board);
         let (x, y) = (right * (0.5 * board.size[0]), up * (0.5 * board.size[1]));

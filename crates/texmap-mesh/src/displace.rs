@@ -405,6 +405,8 @@ fn take(mesh: &mut Mesh, net: &Net, field: &Field, normals: &[[f32; 3]], number:
     let old = std::mem::take(&mut mesh.faces);
     mesh.positions.clear();
     mesh.normals.clear();
+    // Those of the new surface follow from its coordinates.
+    mesh.tangents.clear();
     mesh.uvs.clear();
     mesh.lightmap_uvs.clear();
     mesh.colors.clear();

@@ -67,7 +67,7 @@ impl Skin {
 
     /// The mesh in a pose: `pose[i]` moves what follows bone i from where it rests, in object space.
     ///
-    /// Normals go by the cofactors of the blended matrix, so they stay right under uneven scales, and zero where it is
+    /// Tangents go by the blended matrix itself. Normals go by the cofactors of the blended matrix, so they stay right under uneven scales, and zero where it is
     /// flattened to a line. The same bytes for any number of threads.
     ///
     /// # Errors
@@ -84,11 +84,14 @@ impl Skin {
                 matrix += pose[usize::from(*bone)] * (weight / sum);
             }
             vertex.position = narrow(matrix.transform_point3(wide(vertex.position)));
+            let linear = DMat3::from_mat4(matrix);
             if vertex.normal != [0.0; 3] {
-                vertex.normal = narrow(
-                    (cofactors(DMat3::from_mat4(matrix)) * wide(vertex.normal)).normalize_or_zero(),
-                );
+                vertex.normal =
+                    narrow((cofactors(linear) * wide(vertex.normal)).normalize_or_zero());
             }
+            let [x, y, z, sign] = vertex.tangent;
+            let [x, y, z] = narrow((linear * wide([x, y, z])).normalize_or_zero());
+            vertex.tangent = [x, y, z, sign];
             vertex
         })
     }

@@ -16,6 +16,8 @@ pub struct MeshVertex {
     pub position: [f32; 3],
     /// Normal, any length; zero if the mesh has none.
     pub normal: [f32; 3],
+    /// Tangent and the sign of the bitangent; zero if the mesh has none.
+    pub tangent: [f32; 4],
     /// Texture coordinates; zero if the mesh has none.
     pub uv: [f32; 2],
     /// The second set of coordinates; zero if the mesh has none.
@@ -30,6 +32,7 @@ impl Default for MeshVertex {
         Self {
             position: [0.0; 3],
             normal: [0.0; 3],
+            tangent: [0.0; 4],
             uv: [0.0; 2],
             lightmap_uv: [0.0; 2],
             color: [1.0; 3],
@@ -67,6 +70,7 @@ pub fn map_vertices(
     Ok(Mesh {
         positions: staged.iter().map(|v| v.position).collect(),
         normals: column(&staged, |v| v.normal, default.normal, false),
+        tangents: column(&staged, |v| v.tangent, default.tangent, false),
         uvs: column(&staged, |v| v.uv, default.uv, !mesh.uvs.is_empty()),
         lightmap_uvs: column(
             &staged,
@@ -90,6 +94,7 @@ fn vertex(mesh: &Mesh, index: u32) -> MeshVertex {
     MeshVertex {
         position: mesh.positions[v],
         normal: mesh.normals.get(v).copied().unwrap_or(default.normal),
+        tangent: mesh.tangents.get(v).copied().unwrap_or(default.tangent),
         uv: mesh.uvs.get(v).copied().unwrap_or(default.uv),
         lightmap_uv: mesh
             .lightmap_uvs
@@ -106,6 +111,7 @@ impl MeshVertex {
             .as_flattened()
             .iter()
             .chain([self.uv, self.lightmap_uv].as_flattened())
+            .chain(&self.tangent)
             .all(|x| x.is_finite())
     }
 }

@@ -7,7 +7,7 @@ use texmap_math::narrow;
 use texmap_math::wide;
 
 use texmap_light::{Lighting, PhongMaterial, lighting, reflect};
-use texmap_math::glam::{DMat3, DVec3};
+use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
 use texmap_sample::Origin;
 
@@ -29,7 +29,8 @@ pub(crate) enum Values {
     Normal,
     /// World space.
     Position,
-    /// World-space tangent of this set of coordinates and the sign of the bitangent, of corners: splits vertices where they differ.
+    /// World-space tangent and the sign of the bitangent: the mesh's own, or those of this set of coordinates by corners, which split vertices
+    /// where they differ.
     Tangent(UvSet),
     /// The second set of coordinates.
     LightMapUv,
@@ -103,7 +104,7 @@ impl Vertices {
         let mut positions = Cow::Borrowed(mesh.positions.as_slice());
         let mut groups = self.groups.iter();
         let split = groups.find_map(|group| match group {
-            Values::Tangent(set) => Some(Split::new(mesh, *set)),
+            Values::Tangent(set) if mesh.tangents.is_empty() => Some(Split::new(mesh, *set)),
             _ => None,
         });
         if let Some(split) = &split {
@@ -139,6 +140,7 @@ impl Vertices {
             mesh,
             normal: |v: usize| normal.as_ref().map_or(DVec3::ZERO, |normal| normal(v)),
             point,
+            tangent: mesh.world_tangent(),
             back_from,
             split,
         };
@@ -167,14 +169,15 @@ impl Vertices {
 const VERTICES: usize = 4096;
 
 /// A mesh with its normals and positions in world space, by vertex.
-struct Source<'s, N, P> {
+struct Source<'s, N, P, T> {
     scene: &'s Scene,
     mesh: &'s Mesh,
     normal: N,
     point: P,
+    tangent: T,
     /// Vertices from here are those of back sides.
     back_from: usize,
-    /// The vertices split by tangents, if tangents are among the values.
+    /// The vertices split by tangents, if tangents are among the values and the mesh has none.
     split: Option<Split>,
 }
 
@@ -223,7 +226,12 @@ impl Split {
     }
 }
 
-impl<N: Fn(usize) -> DVec3, P: Fn(usize) -> DVec3> Source<'_, N, P> {
+impl<N, P, T> Source<'_, N, P, T>
+where
+    N: Fn(usize) -> DVec3,
+    P: Fn(usize) -> DVec3,
+    T: Fn([f32; 4]) -> (DVec3, f64),
+{
     /// Writes the values of a vertex.
     fn fill(&self, groups: &[Values], vertex: usize, lit: bool, out: &mut [f32]) {
         let back = vertex >= self.back_from;
@@ -253,8 +261,13 @@ impl<N: Fn(usize) -> DVec3, P: Fn(usize) -> DVec3> Source<'_, N, P> {
                 Values::Normal => values.copy_from_slice(&narrow((self.normal)(vertex))),
                 Values::Position => values.copy_from_slice(&narrow((self.point)(vertex))),
                 Values::Tangent(_) => {
-                    let tangents = self.split.as_ref().map(|split| &split.tangents);
-                    values.copy_from_slice(&tangents.map_or([0.0; 4], |all| all[part]));
+                    let of_corners = self.split.as_ref().map(|split| split.tangents[part]);
+                    let tangent = of_corners
+                        .or_else(|| self.mesh.tangents.get(vertex).copied())
+                        .unwrap_or_default();
+                    let (direction, sign) = (self.tangent)(tangent);
+                    values[..3].copy_from_slice(&narrow(direction));
+                    values[3] = sign as f32;
                 }
                 Values::LightMapUv => values.copy_from_slice(&self.mesh.lightmap_uvs[vertex]),
             }
@@ -298,7 +311,7 @@ fn times(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
-/// Tangents of a mesh's corners for normal maps whose y points up the picture: world-space vectors and the sign of the bitangent.
+/// Tangents of a mesh's corners for normal maps whose y points up the picture: object-space vectors and the sign of the bitangent.
 fn corner_tangents(mesh: &Mesh, set: UvSet, normals: &[DVec3]) -> Vec<[f32; 4]> {
     let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
     let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
@@ -322,8 +335,6 @@ fn corner_tangents(mesh: &Mesh, set: UvSet, normals: &[DVec3]) -> Vec<[f32; 4]> 
     let Ok(tangents) = texmap_uv::tangents(&shape, &set, &at_corners) else {
         return fallback();
     };
-    let world = DMat3::from_mat4(mesh.world_from_object);
-    let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
     // The bitangent follows growing v, which runs down the picture from a top-left origin.
     let down = if mesh.uv_origin == Origin::TopLeft {
         -1.0
@@ -332,10 +343,6 @@ fn corner_tangents(mesh: &Mesh, set: UvSet, normals: &[DVec3]) -> Vec<[f32; 4]> 
     };
     tangents
         .into_iter()
-        .map(|[x, y, z, sign]| {
-            let t = (world * DVec3::new(x.into(), y.into(), z.into())).normalize_or_zero();
-            let [x, y, z] = t.to_array().map(|c| c as f32);
-            [x, y, z, sign * mirror * down]
-        })
+        .map(|[x, y, z, sign]| [x, y, z, sign * down])
         .collect()
 }

@@ -18,6 +18,9 @@ pub struct Mesh {
     /// Empty, or one per vertex: object space, any length, out of the counter-clockwise side. If empty and
     /// needed, the area-weighted mean of the triangles at each vertex is used.
     pub normals: Vec<[f32; 3]>,
+    /// Empty, or one per vertex: x, y, z of the tangent in object space, any length, and a sign so that `sign (N x T)` points up the picture
+    /// of a normal map, whatever its origin (the TANGENT of glTF). If empty and needed, MikkTSpace's are computed from the coordinates.
+    pub tangents: Vec<[f32; 4]>,
     /// Empty, or one per vertex: the file's own values.
     pub uvs: Vec<[f32; 2]>,
     /// Empty, or one per vertex: the second set, in which no two triangles overlap, for light maps.
@@ -59,6 +62,7 @@ impl Default for Mesh {
             name: String::new(),
             positions: Vec::new(),
             normals: Vec::new(),
+            tangents: Vec::new(),
             uvs: Vec::new(),
             lightmap_uvs: Vec::new(),
             colors: Vec::new(),
@@ -88,13 +92,15 @@ impl Mesh {
     }
 
     /// Replaces `uvs` by a projection of the positions onto a plane, box or sphere around them: the named
-    /// fallback for a mesh that came without coordinates. Follows `uv_origin`.
+    /// fallback for a mesh that came without coordinates. Follows `uv_origin`. Tangents of the mesh are dropped: they are those of
+    /// other coordinates.
     pub fn project_uvs(&mut self, projection: Projection) {
         let origin = match self.uv_origin {
             Origin::TopLeft => texmap_uv::Origin::TopLeft,
             Origin::BottomLeft => texmap_uv::Origin::BottomLeft,
         };
         self.uvs = texmap_uv::project(&self.positions, &self.normals, projection, origin);
+        self.tangents.clear();
     }
 
     /// True if the mesh is triangles alone: without a displacement or billboards that `texmap_mesh::tessellate` must turn into
@@ -185,6 +191,21 @@ impl Mesh {
             .iter()
             .map(|t| (matrix * self.cross(*t)).normalize_or_zero())
             .collect()
+    }
+
+    /// A function that takes a tangent from object to world space: unit length, 0 for one of no length. The sign turns where the
+    /// transform mirrors, for normals keep their side.
+    pub fn world_tangent(&self) -> impl Fn([f32; 4]) -> (DVec3, f64) + Sync + use<> {
+        let linear = DMat3::from_mat4(self.world_from_object);
+        let mirror = if linear.determinant() < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        move |[x, y, z, sign]| {
+            let tangent = (linear * wide([x, y, z])).normalize_or_zero();
+            (tangent, f64::from(sign) * mirror)
+        }
     }
 
     fn normal_matrix(&self) -> DMat3 {

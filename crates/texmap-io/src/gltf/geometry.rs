@@ -177,6 +177,15 @@ fn morph(
         };
         add("POSITION", &mut geometry.positions)?;
         add("NORMAL", &mut geometry.normals)?;
+        let mut tangents: Vec<[f32; 3]> = geometry
+            .tangents
+            .iter()
+            .map(|[x, y, z, _]| [*x, *y, *z])
+            .collect();
+        add("TANGENT", &mut tangents)?;
+        for (to, [x, y, z]) in geometry.tangents.iter_mut().zip(tangents) {
+            *to = [x, y, z, to[3]];
+        }
     }
     Ok(())
 }
@@ -253,8 +262,10 @@ fn bend(
         let turned = cofactors * wide(*normal) * sign;
         *normal = turned.normalize_or_zero().as_vec3().to_array();
     }
-    // Tangents are compared with those that the renderer computes for the file's pose.
-    geometry.tangents.clear();
+    for ([x, y, z, _], matrix) in geometry.tangents.iter_mut().zip(&matrices) {
+        let turned = matrix.transform_vector3(wide([*x, *y, *z]));
+        [*x, *y, *z] = turned.normalize_or_zero().as_vec3().to_array();
+    }
     geometry.in_world = true;
     if let Some(i) = geometry
         .positions
@@ -290,7 +301,8 @@ impl Geometry {
         split(&mut self.uvs, &self.triangles);
         split(&mut self.second, &self.triangles);
         split(&mut self.colors, &self.triangles);
-        split(&mut self.tangents, &self.triangles);
+        // Tangents without normals are those of no surface.
+        self.tangents.clear();
         let corners = self.positions.as_chunks::<3>().0;
         let normals = corners.iter().flat_map(|[a, b, c]| {
             let normal = (wide(*b) - wide(*a)).cross(wide(*c) - wide(*a));

@@ -11,7 +11,7 @@ use super::json::{Instancing, Primitive};
 use super::materials::{self, Described};
 use super::model::Model;
 use super::nodes::{Tree, Trs};
-use super::{tangents, topology};
+use super::topology;
 use crate::{IoError, shortened};
 
 /// Reads the meshes of all nodes that are drawn. A default material is added where one is needed.
@@ -111,6 +111,7 @@ impl Reader {
             let bytes = 4
                 * (3 * geometry.positions.len()
                     + 3 * geometry.normals.len()
+                    + 4 * geometry.tangents.len()
                     + 2 * geometry.uvs.len()
                     + 3 * geometry.triangles.len());
             model.ask((bytes * places.len()) as u64, &at)?;
@@ -175,24 +176,23 @@ impl Reader {
         let Some(Described { material, sets }) = described.get(index) else {
             return Ok(None);
         };
-        let normal_map = match &material.normal_detail {
-            Some(NormalDetail::NormalMap { slot, .. }) => Some(slot.uv_set),
-            _ => None,
-        };
         let reads = Reads {
             sets: *sets,
             lit: material.shading != Shading::Unlit,
-            tangents: normal_map.is_some(),
+            tangents: matches!(material.normal_detail, Some(NormalDetail::NormalMap { .. })),
         };
         let mut geometry = geometry(model, primitive, shape, reads, at)?;
         if geometry.triangles.is_empty() {
             self.tell("has no whole triangle", at);
             return Ok(None);
         }
-        if normal_map.is_some_and(|set| tangents::differ(&geometry, set)) {
-            self.tell("has tangents other than those of its texture coordinates, which are computed anew: its normal map may look different", at);
+        if geometry.tangents.iter().any(|t| t[..3] == [0.0; 3]) {
+            self.tell(
+                "has tangents of no length: they are computed from the coordinates instead",
+                at,
+            );
+            geometry.tangents.clear();
         }
-        geometry.tangents = Vec::new();
         if geometry.clear_colors && material.alpha != AlphaMode::Opaque {
             self.tell("the alpha of vertex colours is not drawn", at);
         }
@@ -230,6 +230,7 @@ impl Reader {
             name: name.to_owned(),
             positions: geometry.positions,
             normals: geometry.normals,
+            tangents: geometry.tangents,
             uvs: geometry.uvs,
             lightmap_uvs: geometry.second,
             colors: geometry.colors,

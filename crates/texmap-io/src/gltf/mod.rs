@@ -17,7 +17,6 @@ mod model;
 mod nodes;
 mod phong;
 mod slots;
-mod tangents;
 mod topology;
 mod uri;
 

@@ -54,6 +54,7 @@ pub(super) fn second_uvs(
         let mut out = Mesh {
             positions: Vec::new(),
             normals: Vec::new(),
+            tangents: Vec::new(),
             uvs: Vec::new(),
             colors: Vec::new(),
             triangles: Vec::new(),
@@ -85,6 +86,7 @@ pub(super) fn second_uvs(
                         let v = vertex as usize;
                         out.positions.push(mesh.positions[v]);
                         out.normals.extend(mesh.normals.get(v));
+                        out.tangents.extend(mesh.tangents.get(v));
                         out.uvs.extend(mesh.uvs.get(v));
                         out.colors.extend(mesh.colors.get(v));
                         out.lightmap_uvs.push(uv);

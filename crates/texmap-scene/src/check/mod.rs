@@ -165,6 +165,7 @@ impl Scene {
         )?;
         let vertices = mesh.positions.len();
         per(mesh, "normals", mesh.normals.len(), "vertices", vertices)?;
+        per(mesh, "tangents", mesh.tangents.len(), "vertices", vertices)?;
         per(mesh, "uvs", mesh.uvs.len(), "vertices", vertices)?;
         per(
             mesh,
@@ -183,6 +184,7 @@ impl Scene {
         )?;
         all_finite(mesh, "position", mesh.positions.as_flattened(), 3)?;
         all_finite(mesh, "normal", mesh.normals.as_flattened(), 3)?;
+        all_finite(mesh, "tangent", mesh.tangents.as_flattened(), 4)?;
         all_finite(mesh, "uv", mesh.uvs.as_flattened(), 2)?;
         all_finite(mesh, "light-map uv", mesh.lightmap_uvs.as_flattened(), 2)?;
         all_finite(mesh, "colour", mesh.colors.as_flattened(), 3)?;

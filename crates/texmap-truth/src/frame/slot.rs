@@ -2,7 +2,7 @@
 
 use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_sample::{Filter, Lod, Origin, Sampler, Texture2d, reference as sampling};
-use texmap_scene::{Scene, TextureSlot};
+use texmap_scene::{Scene, TextureSlot, UvSet};
 
 use super::color::straight;
 
@@ -42,6 +42,7 @@ impl<'s> Textures<'s> {
             sampler: &slot.sampler,
             texture: self.get(slot.texture).with_origin(origin),
             rows: slot.transform.rows().map(|row| row.map(f64::from)),
+            uv_set: slot.uv_set,
         }
     }
 
@@ -56,6 +57,8 @@ pub(super) struct Slot<'s> {
     pub(super) texture: Texture2d<'static>,
     /// Rows of the transform of coordinates.
     rows: [[f64; 3]; 2],
+    /// The coordinates of the mesh that it reads.
+    pub(super) uv_set: UvSet,
 }
 
 impl Slot<'_> {

@@ -62,9 +62,10 @@ impl<'s> Surface<'s> {
         let emission = emission.map(|emission| Emitter::new(emission, mesh, textures));
         let tangents = match &bump {
             Some(BumpMap::Normals {
+                slot,
                 world_from_normal: None,
                 ..
-            }) => corner_tangents(mesh),
+            }) => corner_tangents(mesh, slot.uv_set),
             _ => Vec::new(),
         };
         let mut ramp = |slot: &'s Option<texmap_scene::TextureSlot>| {

@@ -2,14 +2,26 @@
 
 use texmap_math::glam::DVec3;
 use texmap_sample::Origin;
-use texmap_scene::Mesh;
+use texmap_scene::{Mesh, UvSet};
 
 use super::color::wide;
 use super::surface::{linear, object_normals};
 
-/// World-space tangents of a mesh's corners, and the sign that makes `sign (N x T)` point up the picture. Zero if the mesh has no
-/// coordinates.
-pub(super) fn corner_tangents(mesh: &Mesh) -> Vec<(DVec3, f64)> {
+/// World-space tangents of a mesh's corners, and the sign that makes `sign (N x T)` point up the picture: those of the mesh, or else
+/// of a set of its coordinates. Zero if the mesh has no coordinates.
+pub(super) fn corner_tangents(mesh: &Mesh, set: UvSet) -> Vec<(DVec3, f64)> {
+    let world = linear(mesh);
+    let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
+    if !mesh.tangents.is_empty() {
+        let corners = mesh.triangles.as_flattened().iter();
+        return corners
+            .map(|v| {
+                let [x, y, z, sign] = mesh.tangents[*v as usize];
+                let tangent = (world * wide([x, y, z])).normalize_or_zero();
+                (tangent, f64::from(sign) * mirror)
+            })
+            .collect();
+    }
     let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
     let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
     let normals = object_normals(mesh);
@@ -21,7 +33,10 @@ pub(super) fn corner_tangents(mesh: &Mesh) -> Vec<(DVec3, f64)> {
     };
     let at_corners: Vec<[f32; 3]> = corners.iter().map(normal).collect();
     let set = texmap_uv::UvSet {
-        uvs: mesh.uvs.clone(),
+        uvs: match set {
+            UvSet::First => mesh.uvs.clone(),
+            UvSet::Second => mesh.lightmap_uvs.clone(),
+        },
         corners,
     };
     let found = texmap_uv::Mesh::new(&mesh.positions, &faces)
@@ -29,8 +44,6 @@ pub(super) fn corner_tangents(mesh: &Mesh) -> Vec<(DVec3, f64)> {
     let Ok(found) = found else {
         return Vec::new();
     };
-    let world = linear(mesh);
-    let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
     // The bitangent follows growing v, which runs down the picture from a top-left origin.
     let up = if mesh.uv_origin == Origin::TopLeft {
         -1.0

@@ -8,10 +8,11 @@ use texmap_math::MemoryBudget;
 
 use super::asset;
 
-const SEEDS: [&str; 8] = [
+const SEEDS: [&str; 9] = [
     "box.glb",
     "plates.gltf",
     "mirrored.glb",
+    "tangents.glb",
     "bent.glb",
     "sparse.gltf",
     "quantized.glb",

@@ -197,6 +197,62 @@ fn normal_maps_and_texture_transforms() {
     }
 }
 
+/// Plates of the same bumps under other coordinates, far away so that the eye sees all at one angle.
+#[test]
+fn tangents_of_the_file_turn_the_normals() {
+    let scene = read("tangents.glb");
+    let tangents: Vec<_> = scene.meshes.iter().map(|m| m.tangents.clone()).collect();
+    assert!(tangents[0].is_empty());
+    assert_eq!(tangents[2], vec![[-1.0, 0.0, 0.0, -1.0]; 4]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let plates = |scene: &Scene| -> Vec<Vec<u8>> {
+        (0..4)
+            .map(|k| {
+                let mut one = scene.clone();
+                one.meshes = vec![scene.meshes[k].clone()];
+                one.meshes[0].world_from_object = texmap_math::glam::DMat4::IDENTITY;
+                one.camera.eye = [0.3, 0.5, 2.0].into();
+                one.camera.look = [0.0, 0.0, 0.0].into();
+                one.lights = vec![Light::Directional {
+                    color: [2.0; 3],
+                    direction: [0.5, -0.7, -0.6],
+                }];
+                let settings = texmap_render::RenderSettings::new(48, 48);
+                let frame = texmap_render::render(&one, &settings, &texmap_render::no_progress);
+                frame.expect("a frame").rgba
+            })
+            .collect()
+    };
+    let off = |a: &[u8], b: &[u8]| {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
+    };
+    let alike = plates(&scene);
+    for (k, plate) in alike.iter().enumerate() {
+        assert!(off(plate, &alike[0]) <= 3, "{k}: {}", off(plate, &alike[0]));
+    }
+    // Each sign and direction counts.
+    let mut wrong = scene.clone();
+    wrong.meshes[1].tangents = vec![[1.0, 0.0, 0.0, -1.0]; 4];
+    wrong.meshes[2].tangents = vec![[1.0, 0.0, 0.0, -1.0]; 4];
+    wrong.meshes[3].tangents = vec![[1.0, 0.0, 0.0, 1.0]; 4];
+    for (k, plate) in plates(&wrong).iter().enumerate().skip(1) {
+        assert!(off(plate, &alike[0]) > 40, "{k}");
+    }
+    // Without them they are computed from the coordinates, which is the same here.
+    scene_without_tangents(&mut wrong);
+    for (k, plate) in plates(&wrong).iter().enumerate() {
+        assert!(off(plate, &alike[0]) <= 3, "{k}");
+    }
+}
+
+fn scene_without_tangents(scene: &mut Scene) {
+    scene
+        .meshes
+        .iter_mut()
+        .for_each(|mesh| mesh.tangents.clear());
+}
+
 #[test]
 fn lights_in_physical_units() {
     let scene = read("instances.glb");

@@ -3,7 +3,7 @@
 use texmap_io::LoadOptions;
 use texmap_scene::Scene;
 
-use super::{near, read_with, world};
+use super::{TRIANGLE, asset, near, read_with, small, triangle_bytes, world};
 
 fn at(animation: Option<&str>, time: Option<f64>) -> Scene {
     let options = LoadOptions {
@@ -110,5 +110,81 @@ fn normals_turn_with_joints() {
     assert!(
         mesh.triangles.iter().all(|t| mesh.cross(*t).z > 0.0),
         "fronts stay fronts"
+    );
+}
+
+/// A triangle with a normal map, a tangent along X, a target that adds to it and a joint that turns by a quarter about Z.
+fn with_tangents(tangent: [f32; 3], weight: f64, skinned: bool) -> Scene {
+    let mut bytes = triangle_bytes();
+    let mut views = String::new();
+    let mut accessors = String::new();
+    let mut add = |data: Vec<u8>, component: u32, kind: &str| {
+        views += &format!(
+            r#",{{"buffer":0,"byteOffset":{},"byteLength":{}}}"#,
+            bytes.len(),
+            data.len()
+        );
+        bytes.extend(data);
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        if component > 0 {
+            accessors += &format!(
+                r#",{{"bufferView":{},"componentType":{component},"count":3,"type":"{kind}"}}"#,
+                1 + views.matches("byteOffset").count()
+            );
+        }
+    };
+    let floats = |values: &[f32]| -> Vec<u8> {
+        let thrice = values.repeat(3);
+        thrice.iter().flat_map(|x| x.to_le_bytes()).collect()
+    };
+    let [x, y, z] = tangent;
+    add(floats(&[0.0, 0.0, 1.0]), 5126, "VEC3");
+    add(floats(&[x, y, z, -1.0]), 5126, "VEC4");
+    add(floats(&[-1.0, 2.0, 0.0]), 5126, "VEC3");
+    add(vec![0; 12], 5121, "VEC4");
+    add(floats(&[1.0, 0.0, 0.0, 0.0]), 5126, "VEC4");
+    add(floats(&[0.0, 0.0]), 5126, "VEC2");
+    let picture = std::fs::read(asset("leaf card.png")).expect("a picture");
+    add(picture, 0, "");
+    let skin = if skinned { r#""skin":0,"# } else { "" };
+    let json = TRIANGLE
+        .replace(
+            r#"[{"mesh":0}]"#,
+            &format!(
+                r#"[{{{skin}"mesh":0,"weights":[{weight}]}},{{"rotation":[0,0,0.7071067811865476,0.7071067811865476]}}],
+"skins":[{{"joints":[1]}}],"materials":[{{"normalTexture":{{"index":0}}}}],"textures":[{{"source":0}}],
+"images":[{{"bufferView":8,"mimeType":"image/png"}}]"#
+            ),
+        )
+        .replace(
+            r#""POSITION":0},"#,
+            r#""POSITION":0,"NORMAL":2,"TANGENT":3,"JOINTS_0":5,"WEIGHTS_0":6,"TEXCOORD_0":7},"material":0,"targets":[{"TANGENT":4}],"#,
+        )
+        .replace(r#""byteLength":44}"#, &format!(r#""byteLength":{}}}"#, bytes.len()))
+        .replace(r#""byteLength":6}"#, &format!(r#""byteLength":6}}{views}"#))
+        .replace(r#""type":"SCALAR"}"#, &format!(r#""type":"SCALAR"}}{accessors}"#));
+    small(&json, &bytes).unwrap_or_else(|e| panic!("{e}\n{json}"))
+}
+
+#[test]
+fn tangents_follow_targets_and_joints() {
+    let along = |scene: &Scene| -> [f32; 4] {
+        let [x, y, z, sign] = scene.meshes[0].tangents[0];
+        [x, y, z, sign].map(|c| (c * 1e5).round() / 1e5)
+    };
+    let x = [1.0, 0.0, 0.0];
+    assert_eq!(along(&with_tangents(x, 0.0, false)), [1.0, 0.0, 0.0, -1.0]);
+    assert_eq!(along(&with_tangents(x, 0.5, false)), [0.5, 1.0, 0.0, -1.0]);
+    assert_eq!(along(&with_tangents(x, 0.0, true)), [0.0, 1.0, 0.0, -1.0]);
+    // A quarter turn of (0, 2, 0), of unit length.
+    assert_eq!(along(&with_tangents(x, 1.0, true)), [-1.0, 0.0, 0.0, -1.0]);
+    let none = with_tangents([0.0; 3], 0.0, false);
+    assert!(none.meshes[0].tangents.is_empty());
+    assert!(
+        none.warnings
+            .iter()
+            .any(|w| w.contains("tangents of no length")),
+        "{:?}",
+        none.warnings
     );
 }
