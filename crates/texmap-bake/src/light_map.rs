@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use texmap_light::{PhongMaterial, ShadowBias, ShadowMap, SpecularModel, shade_with_visibility};
 use texmap_math::MemoryBudget;
 use texmap_math::glam::DVec3;
+use texmap_math::progress::{Progress, Steps, no_progress};
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, RasterError, TargetSize};
 use texmap_sample::Origin;
 use texmap_scene::SceneError;
@@ -60,6 +61,19 @@ impl<'s> Baker<'s> {
     /// # Errors
     /// Those of [`bake`], but for faults of the scene.
     pub fn bake(&self, mesh: usize, options: &BakeOptions<'_>) -> Result<LightMap, RenderError> {
+        self.bake_with_progress(mesh, options, &no_progress)
+    }
+
+    /// [`bake`](Self::bake) with a callback that hears of the steps of the atlas and then of each lit row, and may end the work.
+    ///
+    /// # Errors
+    /// Those of [`bake`](Self::bake); [`RenderError::Cancelled`] after a break.
+    pub fn bake_with_progress(
+        &self,
+        mesh: usize,
+        options: &BakeOptions<'_>,
+        progress: Progress<'_>,
+    ) -> Result<LightMap, RenderError> {
         let scene = self.scene;
         let count = scene.meshes.len();
         let mesh = scene.meshes.get(mesh).ok_or(SceneError::Index {
@@ -82,6 +96,7 @@ impl<'s> Baker<'s> {
         }
         let refused = |error| match error {
             RasterError::Memory(refused) => RenderError::Memory(refused),
+            RasterError::Cancelled => RenderError::Cancelled,
             error => RenderError::Raster {
                 mesh: mesh.name.clone(),
                 error,
@@ -101,7 +116,7 @@ impl<'s> Baker<'s> {
                 world.to_array().map(|c| c as f32)
             })
             .collect();
-        let atlas = Atlas::new(
+        let atlas = Atlas::with_progress(
             TargetSize::new(options.size, options.size).map_err(refused)?,
             &AtlasMesh {
                 uvs,
@@ -116,6 +131,7 @@ impl<'s> Baker<'s> {
                 threads: rayon::current_num_threads(),
                 memory: MemoryBudget::of_process(),
             },
+            progress,
         )
         .map_err(refused)?;
         let flat = mesh.triangle_normals();
@@ -144,10 +160,14 @@ impl<'s> Baker<'s> {
             "take a smaller light map",
         )?;
         let mut texels = vec![[0.0; 3]; atlas.face.len()];
+        let steps = Steps::new(progress, width);
         texels
             .par_chunks_mut(width)
             .enumerate()
             .for_each(|(row, out)| {
+                if steps.is_cancelled() {
+                    return;
+                }
                 for (x, texel) in out.iter_mut().enumerate() {
                     let at = row * width + x;
                     if atlas.coverage[at] == Coverage::None {
@@ -177,7 +197,11 @@ impl<'s> Baker<'s> {
                     )
                     .diffuse;
                 }
+                steps.step();
             });
+        if steps.is_cancelled() {
+            return Err(RenderError::Cancelled);
+        }
         Ok(LightMap {
             size: options.size,
             texels,

@@ -8,6 +8,7 @@ mod specular;
 use alloc::vec::Vec;
 
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::progress::{Progress, Steps};
 
 use crate::EnvironmentLayout;
 use crate::error::{LightError, same_length};
@@ -54,17 +55,27 @@ impl Environment {
     }
 
     /// An environment whose texels, borders too, are made by `light`. Its arguments are a face, a texel's centre and the face's sides,
-    /// both in texels. With the feature `rayon` by every thread of the current pool, in no particular order.
+    /// both in texels. With the feature `rayon` by every thread of the current pool, in no particular order. `progress` hears of each row
+    /// that was begun.
     ///
     /// # Errors
-    /// As [`Environment::from_fn`].
+    /// As [`Environment::from_fn`]; [`LightError::Cancelled`] after a break of `progress`.
     pub(crate) fn from_directions(
         chart: EnvironmentLayout,
         size: u32,
+        progress: Progress<'_>,
         light: impl Fn(usize, DVec2, DVec2) -> [f32; 3] + Sync,
     ) -> Result<Self, LightError> {
         let places = Places::new(chart, size)?;
+        let row = places.size.0 as usize + 2;
+        let steps = Steps::new(progress, places.count() / row);
         let texel = |i| {
+            if i % row == 0 {
+                steps.step();
+            }
+            if steps.is_cancelled() {
+                return [0.0; 3];
+            }
             let (face, centre) = places.at(i);
             light(face, centre, places.sides())
         };
@@ -75,7 +86,10 @@ impl Environment {
         };
         #[cfg(not(feature = "rayon"))]
         let texels = (0..places.count()).map(texel).collect();
-        Ok(Self::of(chart, places.size, texels))
+        match steps.is_cancelled() {
+            true => Err(LightError::Cancelled),
+            false => Ok(Self::of(chart, places.size, texels)),
+        }
     }
 
     /// An environment from images of the faces, linear light, one after the other, rows top to bottom. The borders of the faces are
@@ -257,15 +271,17 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_math::progress::no_progress;
 
     #[test]
     fn places_lie_where_one_walk_through_the_faces_finds_them() {
         for chart in EnvironmentLayout::ALL {
             let light = |d: DVec3| d.to_array().map(|c| c as f32);
             let one_by_one = Environment::from_fn(chart, 13, light);
-            let in_any_order = Environment::from_directions(chart, 13, |face, centre, sides| {
-                light(chart.direction(face, centre / sides))
-            });
+            let in_any_order =
+                Environment::from_directions(chart, 13, &no_progress, |face, centre, sides| {
+                    light(chart.direction(face, centre / sides))
+                });
             assert_eq!(one_by_one, in_any_order, "{chart:?}");
             // A face's first texel, after the border's row and one border texel of its own row.
             let texel = one_by_one.unwrap().texel(0, 0, 0);
@@ -273,5 +289,41 @@ mod tests {
             let uv = DVec2::new(0.5 / f64::from(w), 0.5 / f64::from(h));
             assert_eq!(texel, Some(light(chart.direction(0, uv))), "{chart:?}");
         }
+    }
+
+    #[test]
+    fn a_break_of_progress_ends_every_work() {
+        use core::ops::ControlFlow;
+        use core::sync::atomic::{AtomicUsize, Ordering};
+
+        let to = EnvironmentLayout::Octahedron;
+        let sky = Environment::from_fn(EnvironmentLayout::Cube, 32, |d| [1.0 + d.x as f32; 3]);
+        let sky = sky.unwrap();
+        let work = |most: usize| {
+            let calls = AtomicUsize::new(0);
+            let progress = |done: usize, _: usize| {
+                calls.fetch_add(1, Ordering::Relaxed);
+                match done < most {
+                    true => ControlFlow::Continue(()),
+                    false => ControlFlow::Break(()),
+                }
+            };
+            let made = [
+                sky.convert_with_progress(to, 64, &progress),
+                sky.specular_map_with_progress(to, 64, 20.0, &progress),
+            ];
+            (made, calls.into_inner())
+        };
+        let (made, calls) = work(usize::MAX);
+        assert_eq!(made[0], sky.convert(to, 64));
+        assert_eq!(made[1], sky.specular_map(to, 64, 20.0));
+        let (cancelled, early) = work(3);
+        assert!(
+            cancelled
+                .iter()
+                .all(|made| *made == Err(LightError::Cancelled))
+        );
+        // A thread that has begun a row may still tell it.
+        assert!(calls >= 2 * 66 && early < calls / 2, "{calls}, {early}");
     }
 }

@@ -2,7 +2,7 @@ use core::fmt;
 
 use crate::{Environment, EnvironmentLayout};
 
-/// Reason for which a slice function refused its input. Nothing has been written when the error is returned.
+/// Reason for which a function refused its input or ended early. Nothing has been written when the error is returned.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum LightError {
@@ -34,6 +34,8 @@ pub enum LightError {
         /// The exponent.
         exponent: f32,
     },
+    /// The progress callback ended the work.
+    Cancelled,
 }
 
 impl fmt::Display for LightError {
@@ -60,6 +62,7 @@ impl fmt::Display for LightError {
                 chart.aspect(),
                 Environment::MAX_SIDE
             ),
+            Self::Cancelled => write!(f, "cancelled"),
             Self::Texel { index } => write!(f, "texel {index} is not finite"),
             Self::Exponent { exponent } => write!(
                 f,

@@ -28,7 +28,7 @@
 //! - [`texture_frame`], [`homography`], [`camera`], [`projector`], [`reflection`]: maps between texture, space and screen, in f64.
 //! - [`fixed`], [`edge`]: 24.8 positions, exact edge functions, the top-left rule.
 //! - [`deterministic_f64`], [`deterministic_f32`], [`float`], [`color`]: deterministic functions; [`wrap`], [`footprint`]: texel choice.
-//! - [`memory`]: the budget that large buffers ask.
+//! - [`memory`]: the budget that large buffers ask; [`progress`]: callbacks that hear of long work and may end it.
 //!
 //! # Conventions of the workspace
 //! - The centre of texel i of N lies at `(i + 0.5)/N`; the internal texture origin is top-left, a bottom-left texture is flipped at fetch, in
@@ -90,6 +90,7 @@ pub mod lanes;
 pub mod memory;
 mod on_level;
 pub mod plane;
+pub mod progress;
 pub mod projector;
 pub mod reflection;
 #[doc(hidden)]

@@ -5,7 +5,7 @@
 use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 
-use crate::rasterize::{Range, decode};
+use crate::rast::{Range, decode};
 use crate::support::{expect_length, value};
 
 /// Beyond an edge of one triangle.

@@ -13,6 +13,7 @@ mod light;
 mod peel;
 mod perspective;
 mod program;
+mod rast;
 mod rasterize;
 mod render;
 mod scene;

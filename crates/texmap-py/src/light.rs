@@ -1,14 +1,16 @@
 //! Light maps and environments.
 
+use std::sync::atomic::Ordering;
+
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use texmap_bake::BakeOptions;
+use texmap_bake::{BakeOptions, Baker};
 use texmap_light::{Environment, EnvironmentLayout, EnvironmentLight, Light, ToneMap};
 use texmap_render::{RenderError, shadow_map_for};
 use texmap_scene::{Background, shadow_bias, shadow_kind};
 
 use crate::scene::Scene;
-use crate::support::{interruptible, unlocked, value, word};
+use crate::support::{go_on, interruptible, value, word};
 
 /// The direct light on a mesh: flat texels (three floats each) and their coverage.
 #[pyfunction]
@@ -24,9 +26,13 @@ pub(crate) fn bake<'py>(
     threads: Option<usize>,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<u8>>)> {
     let scene = scene.copy()?.scene;
-    let baked = interruptible(py, threads, |_| {
+    let baked = interruptible(py, threads, |stop| {
+        let baker = Baker::new(&scene)?;
         let mut shadows = Vec::new();
         for (index, light) in scene.lights.iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                return Err(RenderError::Cancelled);
+            }
             if shadow_size > 0 && !matches!(light, Light::Ambient { .. }) {
                 let kind = shadow_kind(&scene, index, None)?;
                 let bias = shadow_bias(&scene);
@@ -41,7 +47,7 @@ pub(crate) fn bake<'py>(
             shadows: &shadows,
             lights: None,
         };
-        texmap_bake::bake(&scene, mesh, &options)
+        baker.bake_with_progress(mesh, &options, &go_on(stop))
     })?;
     let map = baked.map_err(|e: RenderError| value(e))?;
     let coverage = map.coverage.iter().map(|c| *c as u8).collect();
@@ -77,9 +83,9 @@ pub(crate) fn env<'py>(
 ) -> PyResult<(u32, u32, usize, Bound<'py, PyArray1<f32>>)> {
     let source = environment(&texels, layout, width)?;
     let to: EnvironmentLayout = word("to", to)?;
-    let made = interruptible(py, threads, |_| match blur {
-        None => source.convert(to, size),
-        Some(exponent) => source.specular_map(to, size, exponent),
+    let made = interruptible(py, threads, |stop| match blur {
+        None => source.convert_with_progress(to, size, &go_on(stop)),
+        Some(exponent) => source.specular_map_with_progress(to, size, exponent, &go_on(stop)),
     })?
     .map_err(value)?;
     let ((width, height), faces) = (made.size(), to.faces());
@@ -113,7 +119,11 @@ pub(crate) fn set_environment(
             let picture = environment(texels, "lat-long", width)?;
             // As many texels around as the picture has.
             let size = (picture.size().0 / 4).clamp(16, 1024);
-            let made = unlocked(py, None, || EnvironmentLight::new(&picture, size))?;
+            let made = interruptible(py, None, |stop| {
+                let cube = EnvironmentLayout::Cube;
+                let cube = picture.convert_with_progress(cube, size, &go_on(stop))?;
+                EnvironmentLight::new(&cube, size)
+            })?;
             Some(made.map_err(value)?.turned(rotate))
         }
     };

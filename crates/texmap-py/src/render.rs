@@ -1,8 +1,5 @@
 //! Pictures of a scene from one camera or many.
 
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 use texmap_io::framing::Bounds;
@@ -13,7 +10,7 @@ use texmap_render::{Aov, AovData, RenderSettings};
 use texmap_sample::{Filter, Wrap};
 
 use crate::scene::{Loaded, Scene, look_at};
-use crate::support::{interruptible, level, value, word};
+use crate::support::{go_on, interruptible, level, value, word};
 
 /// The cameras of a call, as flat arrays.
 #[derive(FromPyObject)]
@@ -121,14 +118,6 @@ pub(crate) fn render(
 enum Values<'a> {
     F32(&'a mut [f32]),
     U32(&'a mut [u32]),
-}
-
-/// Progress that ends the work once the flag is set.
-fn go_on(stop: &AtomicBool) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
-    |_, _| match stop.load(Ordering::Relaxed) {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    }
 }
 
 /// The buffer of a name; shadows by the number or name of their light.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::fmt::Display;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -111,6 +112,14 @@ pub(crate) fn unlocked<T: Send>(
 ) -> PyResult<T> {
     let pool = pool(threads)?;
     Ok(py.detach(|| pool.install(work)))
+}
+
+/// Progress that ends the work once the flag is set.
+pub(crate) fn go_on(stop: &AtomicBool) -> impl Fn(usize, usize) -> ControlFlow<()> + Sync {
+    |_, _| match stop.load(Ordering::Relaxed) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    }
 }
 
 /// Runs long work as [`unlocked`] does while the calling thread looks for signals: Ctrl-C sets the flag that the work is given,

@@ -1,8 +1,5 @@
 //! Texture coordinates of meshes of triangles.
 
-use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
-
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,7 +11,7 @@ use texmap_uv::{
     UvSet,
 };
 
-use crate::support::{interruptible, unlocked, value};
+use crate::support::{go_on, interruptible, unlocked, value};
 
 type F32s<'py> = PyReadonlyArray1<'py, f32>;
 type U32s<'py> = PyReadonlyArray1<'py, u32>;
@@ -79,12 +76,9 @@ pub(crate) fn unwrap<'py>(
         angle: seam_angle,
     };
     let set = interruptible(py, threads, |stop| {
-        texmap_uv::unwrap(&mesh, &cuts, atlas, origin(bottom_up), &|_, _| match stop
-            .load(Ordering::Relaxed)
-        {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        })
+        let go_on = go_on(stop);
+        let progress = |done, of: Option<usize>| go_on(done, of.unwrap_or(done));
+        texmap_uv::unwrap(&mesh, &cuts, atlas, origin(bottom_up), &progress)
     })?
     .map_err(value)?;
     split(py, &mesh, &set)
@@ -277,14 +271,14 @@ pub(crate) fn uv_raster<'py>(
         bottom_up,
     };
     let size = TargetSize::new(size.0, size.1).map_err(value)?;
-    let atlas = interruptible(py, threads, |_| {
+    let atlas = interruptible(py, threads, |stop| {
         let options = AtlasOptions {
             conservative,
             gutter,
             threads: rayon::current_num_threads(),
             memory: MemoryBudget::of_process(),
         };
-        Atlas::new(size, &mesh, options)
+        Atlas::with_progress(size, &mesh, options, &go_on(stop))
     })?
     .map_err(value)?;
     let out = PyDict::new(py);

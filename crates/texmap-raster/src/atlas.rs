@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 
 use texmap_math::MemoryBudget;
 use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::progress::{Progress, Steps, no_progress};
 
 use crate::front_end::prepared::for_all;
 use crate::{
@@ -80,6 +81,24 @@ pub struct AtlasOptions {
     pub memory: MemoryBudget,
 }
 
+/// Threads that work on bands, and a count of the bands that are done.
+#[derive(Clone, Copy)]
+struct Bands<'a> {
+    threads: usize,
+    steps: &'a Steps<'a>,
+}
+
+impl Bands<'_> {
+    fn for_all<T: Send>(self, bands: Vec<T>, fill: impl Fn(T) + Sync + Send) {
+        for_all(self.threads, bands, |band| {
+            if !self.steps.is_cancelled() {
+                fill(band);
+                self.steps.step();
+            }
+        });
+    }
+}
+
 /// Bytes of all arrays of an atlas per texel.
 fn texel_bytes(mesh: &AtlasMesh<'_>) -> u64 {
     let triple = size_of::<[f32; 3]>();
@@ -98,6 +117,19 @@ impl Atlas {
         size: TargetSize,
         mesh: &AtlasMesh<'_>,
         options: AtlasOptions,
+    ) -> Result<Self, RasterError> {
+        Self::with_progress(size, mesh, options, &no_progress)
+    }
+
+    /// [`new`](Self::new) with a callback that hears of each row of tiles of each stage and each texel of the gutter, and may end the work.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); [`RasterError::Cancelled`] after a break.
+    pub fn with_progress(
+        size: TargetSize,
+        mesh: &AtlasMesh<'_>,
+        options: AtlasOptions,
+        progress: Progress<'_>,
     ) -> Result<Self, RasterError> {
         for array in [mesh.positions, mesh.normals] {
             if !array.is_empty() && array.len() != mesh.uvs.len() {
@@ -141,9 +173,19 @@ impl Atlas {
             lost: Vec::new(),
         };
         let corners = Corners { mesh, size };
-        atlas.cover_centres(&prepared, options.threads);
+        let stages = 2 + usize::from(options.conservative);
+        let bands = size.height().div_ceil(TILE) as usize;
+        let steps = Steps::new(progress, stages * bands + options.gutter as usize);
+        let work = Bands {
+            threads: options.threads,
+            steps: &steps,
+        };
+        atlas.cover_centres(&prepared, work);
         if options.conservative {
-            atlas.cover_touched(&corners, options.threads);
+            atlas.cover_touched(&corners, work);
+        }
+        if steps.is_cancelled() {
+            return Err(RasterError::Cancelled);
         }
         let mut owned = atlas.owned(mesh.indices.len());
         if options.conservative {
@@ -152,9 +194,12 @@ impl Atlas {
         atlas.lost = (0..owned.len() as u32)
             .filter(|&f| owned[f as usize] == 0)
             .collect();
-        atlas.interpolate(&corners, options.threads);
-        atlas.dilate(options.gutter, options.threads);
-        Ok(atlas)
+        atlas.interpolate(&corners, work);
+        atlas.dilate(options.gutter, work);
+        match steps.is_cancelled() {
+            true => Err(RasterError::Cancelled),
+            false => Ok(atlas),
+        }
     }
 
     fn place(&self, x: i32, y: i32) -> usize {
@@ -166,12 +211,12 @@ impl Atlas {
         self.size.width() as usize * TILE as usize
     }
 
-    fn cover_centres(&mut self, prepared: &BinnedDraws<'_>, threads: usize) {
+    fn cover_centres(&mut self, prepared: &BinnedDraws<'_>, work: Bands<'_>) {
         let (width, band) = (self.size.width() as usize, self.band());
         let across = self.size.width().div_ceil(TILE) as usize;
         let faces = self.face.chunks_mut(band);
         let bands = faces.zip(self.coverage.chunks_mut(band)).enumerate();
-        for_all(threads, bands.collect(), |(row, (faces, coverage))| {
+        work.for_all(bands.collect(), |(row, (faces, coverage))| {
             let mut buffers = VisibilityBuffer::new();
             for index in row * across..(row + 1) * across {
                 let tile = prepared.tile(index);
@@ -193,12 +238,12 @@ impl Atlas {
     }
 
     /// Gives each free texel to the first face that touches it.
-    fn cover_touched(&mut self, corners: &Corners<'_, '_>, threads: usize) {
+    fn cover_touched(&mut self, corners: &Corners<'_, '_>, work: Bands<'_>) {
         let (width, band) = (self.size.width() as usize, self.band());
         let reaches = corners.by_band();
         let faces = self.face.chunks_mut(band);
         let bands = faces.zip(self.coverage.chunks_mut(band)).enumerate();
-        for_all(threads, bands.collect(), |(row, (faces, coverage))| {
+        work.for_all(bands.collect(), |(row, (faces, coverage))| {
             let top = row as i32 * TILE as i32;
             for &face in &reaches[row] {
                 let Some(reach) = corners.reach(face) else {
@@ -253,7 +298,7 @@ impl Atlas {
         }
     }
 
-    fn interpolate(&mut self, corners: &Corners<'_, '_>, threads: usize) {
+    fn interpolate(&mut self, corners: &Corners<'_, '_>, work: Bands<'_>) {
         let (mesh, texels) = (corners.mesh, self.face.len());
         let buffer = |array: &[[f32; 3]]| match array.is_empty() {
             true => Vec::new(),
@@ -275,22 +320,25 @@ impl Atlas {
             positions: positions.next().unwrap_or_default(),
             normals: normals.next().unwrap_or_default(),
         });
-        for_all(threads, bands.collect(), |band| band.fill(corners, width));
+        work.for_all(bands.collect(), |band| band.fill(corners, width));
     }
 
     /// Dilates charts: each free texel beside a taken one gets the values of a neighbour, `gutter` times.
-    fn dilate(&mut self, gutter: u32, threads: usize) {
+    fn dilate(&mut self, gutter: u32, work: Bands<'_>) {
         let band = self.band();
         // Later rounds can only reach what lies beside a texel of the round before.
         let mut candidates: Option<Vec<usize>> = None;
         for _ in 0..gutter {
+            if work.steps.is_cancelled() {
+                return;
+            }
             let copies = match candidates {
                 None => {
                     let mut found: Vec<Vec<(usize, usize)>> =
                         alloc::vec![Vec::new(); self.face.len().div_ceil(band)];
                     let this = &*self;
                     for_all(
-                        threads,
+                        work.threads,
                         found.iter_mut().enumerate().collect(),
                         |(k, out)| {
                             let texels = k * band..((k + 1) * band).min(this.face.len());
@@ -319,6 +367,7 @@ impl Atlas {
             beside.sort_unstable();
             beside.dedup();
             candidates = Some(beside);
+            work.steps.step();
         }
     }
 

@@ -78,6 +78,8 @@ pub enum RasterError {
     TooManyTriangles,
     /// A buffer beyond the memory budget.
     Memory(OverBudget),
+    /// The progress callback ended the work.
+    Cancelled,
 }
 
 impl From<OverBudget> for RasterError {
@@ -90,6 +92,7 @@ impl fmt::Display for RasterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Memory(ref refused) => write!(f, "{refused}; {}", refused.lower),
+            Self::Cancelled => write!(f, "cancelled"),
             Self::ZeroTarget { width, height } => {
                 write!(
                     f,

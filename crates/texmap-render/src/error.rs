@@ -68,6 +68,7 @@ impl RenderError {
     pub(crate) fn of_raster(scene: &Scene, error: RasterError) -> Self {
         let draw = match error {
             RasterError::Memory(refused) => return Self::Memory(refused),
+            RasterError::Cancelled => return Self::Cancelled,
             RasterError::IndexOutOfRange { draw, .. }
             | RasterError::AttributeLength { draw, .. }
             | RasterError::TooManyAttributes { draw, .. }

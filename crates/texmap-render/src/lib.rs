@@ -85,8 +85,9 @@ mod vertices;
 
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, PixelHash, Stats, Times, hash_pixels, pixel_hash};
-pub use render::{Renderer, no_progress, render, render_ordered};
+pub use render::{Renderer, render, render_ordered};
 pub use settings::{Aov, RenderSettings, UnknownAov};
 pub use shadow::{shadow_map, shadow_map_for};
+pub use texmap_math::progress::no_progress;
 /// The crate of scenes.
 pub use texmap_scene as scene;

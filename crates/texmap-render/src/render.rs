@@ -1,12 +1,12 @@
 //! The frame: passes over blocks of 64 x 64 pixels, one owner thread each.
 
 use std::fmt;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use rayon::prelude::*;
+use texmap_math::progress::{Progress, Steps};
 use texmap_raster::{BinnedDraws, DrawCall, SAMPLES_4, TILE, TargetSize};
 
 use crate::frame_resources::FrameResources;
@@ -21,22 +21,17 @@ use texmap_scene::Scene;
 /// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].
 ///
 /// `progress` is called with (blocks done, blocks in all) from the worker threads, in any order, and ends the work by
-/// [`ControlFlow::Break`]; [`no_progress`] is the callback that does nothing.
+/// [`ControlFlow::Break`](std::ops::ControlFlow::Break); [`no_progress`](crate::no_progress) is the callback that does nothing.
 ///
 /// # Errors
 /// Every fault of the scene or the settings, before the first pixel; [`RenderError::Cancelled`] after a break.
 pub fn render(
     scene: &Scene,
     settings: &RenderSettings,
-    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+    progress: Progress<'_>,
 ) -> Result<Frame, RenderError> {
     settings.check()?;
     Renderer::new(scene, settings)?.draw(progress)
-}
-
-/// The progress callback that neither shows nor ends anything.
-pub fn no_progress(_done: usize, _of: usize) -> ControlFlow<()> {
-    ControlFlow::Continue(())
 }
 
 /// A scene made ready: checked, mip chains built, vertex values computed. Drawing it again costs none of that.
@@ -124,10 +119,7 @@ impl<'s> Renderer<'s> {
     ///
     /// # Errors
     /// More triangles after clipping than ids; [`RenderError::Memory`]; [`RenderError::Cancelled`] after a break of `progress`.
-    pub fn draw(
-        &self,
-        progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
-    ) -> Result<Frame, RenderError> {
+    pub fn draw(&self, progress: Progress<'_>) -> Result<Frame, RenderError> {
         ask_for_frame(&self.settings)?;
         let mut frame = empty_frame(&self.settings);
         self.draw_into(&mut frame, progress, &|blocks| (0..blocks).collect())?;
@@ -179,7 +171,7 @@ impl<'s> Renderer<'s> {
     pub fn draw_into(
         &self,
         frame: &mut Frame,
-        progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+        progress: Progress<'_>,
         order: &(dyn Fn(usize) -> Vec<usize> + Sync),
     ) -> Result<(), RenderError> {
         let mut draw = || self.draw_here(frame, progress, order);
@@ -192,7 +184,7 @@ impl<'s> Renderer<'s> {
     fn draw_here(
         &self,
         frame: &mut Frame,
-        progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+        progress: Progress<'_>,
         order: &(dyn Fn(usize) -> Vec<usize> + Sync),
     ) -> Result<(), RenderError> {
         let (scene, settings) = (self.scene, &self.settings);
@@ -209,12 +201,7 @@ impl<'s> Renderer<'s> {
 
         let start = Stopwatch::start();
         let blocks = size.0.div_ceil(TILE) as usize * settings.rows_of_tiles().len();
-        let counter = Counter {
-            done: AtomicUsize::new(0),
-            cancelled: AtomicBool::new(false),
-            of: blocks * (1 + usize::from(self.centres.is_some())),
-            progress,
-        };
+        let counter = Steps::new(progress, blocks * (1 + usize::from(self.centres.is_some())));
         let order = order(blocks);
         let Frame { rgba, aovs, .. } = frame;
         for (_, _, data) in aovs.iter_mut() {
@@ -234,7 +221,7 @@ impl<'s> Renderer<'s> {
             let job = Job::new(scene, settings, plan, &prepared, None);
             self.run(&job, None, of_centres, &order, &counter);
         }
-        if counter.cancelled.into_inner() {
+        if counter.is_cancelled() {
             return Err(RenderError::Cancelled);
         }
         frame.stats.times.draw = start.elapsed();
@@ -271,7 +258,7 @@ impl<'s> Renderer<'s> {
         rgba: Option<&mut Vec<u8>>,
         aovs: Vec<&mut (Aov, usize, AovData)>,
         order: &[usize],
-        counter: &Counter<'_>,
+        counter: &Steps<'_>,
     ) -> u64 {
         let (width, height) = (self.settings.width, self.settings.frame_height());
         let mut rgba = rgba.map_or(Vec::new(), |rgba| split(rgba, 4, width, height));
@@ -300,7 +287,7 @@ impl<'s> Renderer<'s> {
         blocks.into_par_iter().with_max_len(8).for_each_init(
             || ScratchGuard::new(&self.scratch),
             |scratch, block| {
-                if counter.cancelled.load(Ordering::Relaxed) {
+                if counter.is_cancelled() {
                     return;
                 }
                 covered.fetch_add(job.draw(block, scratch.get()), Ordering::Relaxed);
@@ -316,7 +303,7 @@ impl<'s> Renderer<'s> {
 pub fn render_ordered(
     scene: &Scene,
     settings: &RenderSettings,
-    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+    progress: Progress<'_>,
     order: &(dyn Fn(usize) -> Vec<usize> + Sync),
 ) -> Result<Frame, RenderError> {
     let renderer = Renderer::new(scene, settings)?;
@@ -346,22 +333,6 @@ impl Drop for ScratchGuard<'_> {
     fn drop(&mut self) {
         if let (Some(scratch), Ok(mut ready)) = (self.scratch.take(), self.ready.lock()) {
             ready.push(scratch);
-        }
-    }
-}
-
-struct Counter<'a> {
-    done: AtomicUsize,
-    cancelled: AtomicBool,
-    of: usize,
-    progress: &'a (dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
-}
-
-impl Counter<'_> {
-    fn step(&self) {
-        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-        if (self.progress)(done, self.of).is_break() {
-            self.cancelled.store(true, Ordering::Relaxed);
         }
     }
 }

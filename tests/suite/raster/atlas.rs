@@ -1,4 +1,7 @@
 //! The UV-space target: coverage of an atlas, its interpolated values, the conservative mode and gutters.
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, NO_PRIMITIVE, RasterError};
 
 use crate::support::{Owned, Rng, jittered_grid, size};
@@ -98,6 +101,42 @@ fn bottom_up_mirrors_the_rows() {
         .filter(|(a, b)| a == b)
         .count();
     assert!(same > 64 * 64 - 20, "{same} texels agree");
+}
+
+/// A break at any step of any stage ends the work there; without one nothing changes.
+#[test]
+fn a_break_of_progress_ends_an_atlas() {
+    let sheet = Sheet::new(5, 14, 0.3);
+    let options = AtlasOptions {
+        conservative: true,
+        gutter: 6,
+        threads: 1,
+        ..AtlasOptions::default()
+    };
+    let draw = |last: usize| {
+        let calls = AtomicUsize::new(0);
+        let progress = |done: usize, of: usize| {
+            let call = calls.fetch_add(1, Ordering::Relaxed) + 1;
+            assert_eq!((done, of), (call, 3 * 4 + 6));
+            match call < last {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        };
+        let atlas = Atlas::with_progress(size(100, 200), &sheet.atlas_mesh(), options, &progress);
+        (atlas, calls.into_inner())
+    };
+    let whole = draw(usize::MAX);
+    assert_eq!(
+        whole,
+        (
+            Atlas::new(size(100, 200), &sheet.atlas_mesh(), options),
+            3 * 4 + 6
+        )
+    );
+    for last in 1..=whole.1 {
+        assert_eq!(draw(last), (Err(RasterError::Cancelled), last));
+    }
 }
 
 /// Far more faces than their texel centres catch: without the mode many are lost, with it none.

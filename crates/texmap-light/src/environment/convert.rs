@@ -2,6 +2,7 @@
 
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::progress::{Progress, no_progress};
 use texmap_math::simd::Scalar;
 
 use super::Environment;
@@ -16,6 +17,19 @@ impl Environment {
     /// # Errors
     /// As [`Environment::from_fn`].
     pub fn convert(&self, chart: EnvironmentLayout, size: u32) -> Result<Self, LightError> {
+        self.convert_with_progress(chart, size, &no_progress)
+    }
+
+    /// [`convert`](Self::convert) with a callback that hears of each row of texels and may end the work.
+    ///
+    /// # Errors
+    /// As [`Environment::from_fn`]; [`LightError::Cancelled`] after a break.
+    pub fn convert_with_progress(
+        &self,
+        chart: EnvironmentLayout,
+        size: u32,
+        progress: Progress<'_>,
+    ) -> Result<Self, LightError> {
         let count = |chart: EnvironmentLayout, w: u32, h: u32| {
             chart.faces() as f64 * f64::from(w) * f64::from(h)
         };
@@ -25,7 +39,7 @@ impl Environment {
         // Solid angles within a layout differ by up to 5.2, and lat-long's poles by more. Two look-ups a texel and axis.
         let n = (2.0 * sqrt(ratio)) as u32 + 1;
         let n = if ratio <= 0.25 { 1 } else { n.min(64) };
-        Self::from_directions(chart, size, |face, centre, sides| {
+        Self::from_directions(chart, size, progress, |face, centre, sides| {
             let mut sum = DVec3::ZERO;
             for j in 0..n {
                 for i in 0..n {

@@ -6,6 +6,7 @@ use core::ops::Range;
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::lanes::{GatherTable, LANES};
+use texmap_math::progress::{Progress, no_progress};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, deterministic_f64, dispatch_simd};
 
@@ -30,12 +31,22 @@ impl Environment {
         size: u32,
         exponent: f32,
     ) -> Result<Self, LightError> {
+        self.blur_with_progress(chart, size, exponent, &no_progress)
+    }
+
+    fn blur_with_progress(
+        &self,
+        chart: EnvironmentLayout,
+        size: u32,
+        exponent: f32,
+        progress: Progress<'_>,
+    ) -> Result<Self, LightError> {
         if !(exponent.is_finite() && exponent >= 0.0) {
             return Err(LightError::Exponent { exponent });
         }
         let gathering = Gathering::new(self, f64::from(exponent));
         let level = crate::level();
-        let map = Self::from_directions(chart, size, |face, centre, sides| {
+        let map = Self::from_directions(chart, size, progress, |face, centre, sides| {
             let r = chart.direction(face, centre / sides);
             let [red, green, blue, weights] = gathering.sums(level, r);
             // A lobe narrower than a texel meets none.
@@ -74,6 +85,21 @@ impl Environment {
         size: u32,
         exponent: f32,
     ) -> Result<Self, LightError> {
+        self.specular_map_with_progress(chart, size, exponent, &no_progress)
+    }
+
+    /// [`specular_map`](Self::specular_map) with a callback that hears of each row of texels, of the smaller map and then of the blurred
+    /// one, and may end the work.
+    ///
+    /// # Errors
+    /// As [`Environment::blur`]; [`LightError::Cancelled`] after a break.
+    pub fn specular_map_with_progress(
+        &self,
+        chart: EnvironmentLayout,
+        size: u32,
+        exponent: f32,
+        progress: Progress<'_>,
+    ) -> Result<Self, LightError> {
         let gathered = Self::blurred_size(exponent) * 3 / 2;
         let count = |chart: EnvironmentLayout, width: u32, height: u32| {
             chart.faces() as u64 * u64::from(width) * u64::from(height)
@@ -81,10 +107,10 @@ impl Environment {
         if count(self.layout, self.size().0, self.size().1)
             > count(EnvironmentLayout::Cube, gathered, gathered)
         {
-            let gathered = self.convert(EnvironmentLayout::Cube, gathered)?;
-            gathered.blur(chart, size, exponent)
+            self.convert_with_progress(EnvironmentLayout::Cube, gathered, progress)?
+                .blur_with_progress(chart, size, exponent, progress)
         } else {
-            self.blur(chart, size, exponent)
+            self.blur_with_progress(chart, size, exponent, progress)
         }
     }
 }

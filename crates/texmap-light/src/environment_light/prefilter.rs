@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use texmap_math::progress::no_progress;
 use texmap_math::simd::{Scalar, prelude::*};
 
 use super::gather::{Kernel, Texels};
@@ -162,7 +163,7 @@ impl Prefilter {
         let found = self.sources.iter().find(|(level, _)| *level == wanted);
         let texels = found.map(|(_, texels)| texels);
         let simd = level();
-        Environment::from_directions(layout, size, |face, centre, sides| {
+        Environment::from_directions(layout, size, &no_progress, |face, centre, sides| {
             let r = layout.direction(face, centre / sides);
             texels.map_or([0.0; 3], |texels| texels.gather(simd, kernel, r))
         })

@@ -5,6 +5,7 @@
 use texmap_math::deterministic_f64;
 use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::progress::no_progress;
 
 use super::EnvironmentLight;
 use super::gather::{Kernel, Texels};
@@ -166,8 +167,11 @@ impl EnvironmentLight {
     #[must_use]
     pub fn studio() -> Self {
         let solids = Solid::all();
-        let room =
-            Environment::from_directions(EnvironmentLayout::Cube, SIZE, |face, centre, sides| {
+        let room = Environment::from_directions(
+            EnvironmentLayout::Cube,
+            SIZE,
+            &no_progress,
+            |face, centre, sides| {
                 let mut sum = 0.0;
                 for ray in 0..RAYS * RAYS {
                     let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(RAYS) - 0.5;
@@ -176,14 +180,20 @@ impl EnvironmentLight {
                     sum += radiance(&solids, EnvironmentLayout::Cube.direction(face, uv));
                 }
                 [(sum / f64::from(RAYS * RAYS)) as f32; 3]
-            });
+            },
+        );
         let soft = room.and_then(|room| {
             let texels = Texels::new(&room, 0);
             let (level, kernel) = (level(), Kernel::gaussian(BLUR));
-            Environment::from_directions(EnvironmentLayout::Cube, SIZE, |face, centre, sides| {
-                let d = EnvironmentLayout::Cube.direction(face, centre / sides);
-                texels.gather(level, kernel, d)
-            })
+            Environment::from_directions(
+                EnvironmentLayout::Cube,
+                SIZE,
+                &no_progress,
+                |face, centre, sides| {
+                    let d = EnvironmentLayout::Cube.direction(face, centre / sides);
+                    texels.gather(level, kernel, d)
+                },
+            )
         });
         let light = soft.and_then(Self::of_cube);
         light.unwrap_or_else(|error: LightError| unreachable!("the size is within range: {error}"))
