@@ -27,7 +27,7 @@ pub(crate) struct CompletionsArgs {
     after_help = "Read it:    texmap man | man -l -\nInstall it: texmap man -o ~/.local/share/man/man1"
 )]
 pub(crate) struct ManArgs {
-    /// A folder for texmap.1 and a page of each command, texmap-render.1 and so on
+    /// A folder for texmap.1 and a page of each command: texmap-render.1, texmap-batch-render.1 and so on
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
@@ -47,14 +47,8 @@ pub(crate) fn man(args: &ManArgs) -> Result<Exit, Failure> {
         deliver(|out| std::io::Write::write_all(out, &text))?;
         return Ok(Exit::Done);
     };
-    let mut pages = vec![("texmap.1".to_owned(), page(command.clone())?)];
-    for verb in command
-        .get_subcommands()
-        .filter(|c| c.get_name() != "help" && !c.is_hide_set())
-    {
-        let name = format!("texmap-{}", verb.get_name());
-        pages.push((format!("{name}.1"), page(verb.clone())?));
-    }
+    let mut pages = Vec::new();
+    add_pages(&command, "texmap", &mut pages)?;
     let names: Vec<PathBuf> = pages.iter().map(|(name, _)| folder.join(name)).collect();
     distinct(&names, [] as [&PathBuf; 0])?;
     let mut stage: Option<Stage> = None;
@@ -75,6 +69,22 @@ pub(crate) fn man(args: &ManArgs) -> Result<Exit, Failure> {
     }
     say(&format!("{}: {} pages\n", folder.display(), pages.len()));
     Ok(Exit::Done)
+}
+
+/// The page of a command and those of the commands below it: texmap.1, texmap-batch.1, texmap-batch-render.1.
+fn add_pages(
+    command: &clap::Command,
+    name: &str,
+    pages: &mut Vec<(String, Vec<u8>)>,
+) -> Result<(), Failure> {
+    pages.push((format!("{name}.1"), page(command.clone())?));
+    for verb in command
+        .get_subcommands()
+        .filter(|c| c.get_name() != "help" && !c.is_hide_set())
+    {
+        add_pages(verb, &format!("{name}-{}", verb.get_name()), pages)?;
+    }
+    Ok(())
 }
 
 fn page(command: clap::Command) -> Result<Vec<u8>, Failure> {
