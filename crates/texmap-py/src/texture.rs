@@ -306,28 +306,12 @@ pub(crate) fn sample_levels(
             )));
         }
     };
-    let sampler = Sampler {
-        filter: dr_filter(filter)?,
-        wrap_u: wrap,
-        wrap_v: wrap,
-        lod: Lod {
-            max: max_level,
-            ..Lod::default()
-        },
-        ..Sampler::default()
-    };
     let uv = uv.as_slice()?;
-    let uv_da = uv_da.as_ref().map(|d| d.as_slice()).transpose()?;
-    let bias = bias.as_ref().map(|d| d.as_slice()).transpose()?;
-    if let Some(uv_da) = uv_da {
-        expect_length("uv_da", uv_da.len(), uv.len() * 2)?;
-    }
-    if let Some(bias) = bias {
-        expect_length("mip_level_bias", bias.len(), uv.len() / 2)?;
-    }
+    let by_levels = ByLevels::new(filter, wrap, max_level, (&uv_da, 4), &bias, uv.len() / 2)?;
+    let ByLevels { sampler, da, bias } = by_levels;
     let (width, height, ..) = texture.shape();
     let size = [width as f32, height as f32];
-    let has_levels = uv_da.is_some() || bias.is_some();
+    let has_levels = da.is_some() || bias.is_some();
     let (out, level) = (out.as_slice_mut()?, level(simd)?);
     interruptible_look_ups(py, texture, uv, out, threads, |first, uv, out| {
         look_up(
@@ -339,7 +323,7 @@ pub(crate) fn sample_levels(
             has_levels,
             |range, into| {
                 for k in first + range.start..first + range.end {
-                    let length = match uv_da {
+                    let length = match da {
                         Some(da) => footprint_length(&da[4 * k..4 * k + 4], size),
                         None => 1.0,
                     };
@@ -350,6 +334,46 @@ pub(crate) fn sample_levels(
             },
         )
     })
+}
+
+/// Look-ups by levels of detail: a sampler, and derivatives and biases where there are.
+struct ByLevels<'a> {
+    sampler: Sampler,
+    da: Option<&'a [f32]>,
+    bias: Option<&'a [f32]>,
+}
+
+impl<'a> ByLevels<'a> {
+    /// For `count` look-ups; `da` holds so many derivatives for each, `bias` one.
+    fn new(
+        filter: &str,
+        wrap: Wrap,
+        max_level: f32,
+        (da, each): (&'a Option<PyReadonlyArray1<'_, f32>>, usize),
+        bias: &'a Option<PyReadonlyArray1<'_, f32>>,
+        count: usize,
+    ) -> PyResult<Self> {
+        let slice = |name, array: &'a Option<PyReadonlyArray1<'_, f32>>, expected| {
+            let Some(array) = array else { return Ok(None) };
+            let found = array.as_slice()?;
+            expect_length(name, found.len(), expected)?;
+            PyResult::Ok(Some(found))
+        };
+        Ok(Self {
+            sampler: Sampler {
+                filter: dr_filter(filter)?,
+                wrap_u: wrap,
+                wrap_v: wrap,
+                lod: Lod {
+                    max: max_level,
+                    ..Lod::default()
+                },
+                ..Sampler::default()
+            },
+            da: slice("uv_da", da, each * count)?,
+            bias: slice("mip_level_bias", bias, count)?,
+        })
+    }
 }
 
 pub(crate) fn dr_filter(name: &str) -> PyResult<Filter> {
@@ -525,26 +549,13 @@ pub(crate) fn sample_cube(
     threads: Option<usize>,
 ) -> PyResult<()> {
     let directions = directions.as_slice()?;
-    let da = da.as_ref().map(|d| d.as_slice()).transpose()?;
-    let bias = bias.as_ref().map(|d| d.as_slice()).transpose()?;
     let out = out.as_slice_mut()?;
     let channels = cube.channels;
     let count = directions.len() / 3;
     expect_length("out", out.len(), count * channels)?;
-    if let Some(da) = da {
-        expect_length("uv_da", da.len(), 6 * count)?;
-    }
-    if let Some(bias) = bias {
-        expect_length("mip_level_bias", bias.len(), count)?;
-    }
-    let sampler = Sampler {
-        filter: dr_filter(filter)?,
-        lod: Lod {
-            max: max_level,
-            ..Lod::default()
-        },
-        ..Sampler::default()
-    };
+    let wrap = Sampler::default().wrap_u;
+    let by_levels = ByLevels::new(filter, wrap, max_level, (&da, 6), &bias, count)?;
+    let ByLevels { sampler, da, bias } = by_levels;
     unlocked(py, threads, || {
         out.par_chunks_mut(channels)
             .enumerate()
