@@ -1,5 +1,9 @@
-"""Ctrl-C ends long work: a timer raises SIGINT while a kernel runs, and the call raises KeyboardInterrupt."""
+"""Ctrl-C ends long work: a timer raises SIGINT while a kernel runs, and the call raises KeyboardInterrupt long before its end.
 
+The works below take many seconds, most of them minutes. One that goes on after the signal is ended with the whole run by a watchdog.
+"""
+
+import faulthandler
 import os
 import signal
 import threading
@@ -17,60 +21,82 @@ if os.name == "nt":
 
 
 def interrupted(work):
-    """True if the call ends by a SIGINT that comes once it runs; False if it returns before."""
+    """True if a SIGINT that comes a moment later ends the call; False if the call returns before."""
+    returned = False
     timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+    faulthandler.dump_traceback_later(60, exit=True)
     try:
+        timer.start()
         work()
+        returned = True
         timer.join()
         time.sleep(0.05)  # the signal of a work that is done comes here
     except KeyboardInterrupt:
-        return not work.returned
+        pass
     finally:
-        timer.cancel()
-    return False
+        faulthandler.cancel_dump_traceback_later()
+    return not returned
 
 
-class Work:
-    """A call that remembers that it came to its end."""
-
-    def __init__(self, call):
-        self.call, self.returned = call, False
-
-    def __call__(self):
-        self.call()
-        self.returned = True
+def grid(side):
+    """Vertices and faces of a rough sheet."""
+    x, y = np.meshgrid(np.arange(side), np.arange(side))
+    points = np.stack([x, y, np.random.default_rng(3).uniform(size=x.shape)], axis=-1).reshape(-1, 3).astype(np.float32)
+    k = np.arange(side * side, dtype=np.int32).reshape(side, side)
+    a, b, c, d = k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]
+    return points, np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
 
 
-def long_works(assets):
-    """Calls of many seconds, one thread each."""
-    head = texmap.load(assets / "models" / "head.obj")
-    sheet = texmap.Scene(
-        [texmap.Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]], uv=[[0, 0], [1, 0], [1, 1], [0, 1]])],
-        lights=[texmap.Light("point", position=(0, 0, 1 + 0.1 * k)) for k in range(40)],
-    )
-    points, faces = icosphere(6)
-    pos = to_clip(clip_from_world(), points)
+def render(assets):
+    scene = texmap.load(assets / "models" / "head.obj")
+    poses = texmap.Poses([texmap.look_at((0, 0, 6))] * 200, "opencv", fov=50)
+    return lambda: scene.render(poses, (1024, 1024), supersample=4, threads=1)
+
+
+def bake(_):
+    square, faces = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]]
+    mesh = texmap.Mesh(square, faces, uv=[[0, 0], [1, 0], [1, 1], [0, 1]])
+    scene = texmap.Scene([mesh], lights=[texmap.Light("point", position=(0, 0, 1 + 1e-3 * k)) for k in range(10_000)])
+    return lambda: texmap.bake(scene, size=2048, shadow_size=0, threads=1)
+
+
+def env(_):
     sky = np.ones((256, 512, 3), np.float32)
-    photo = np.ones((64, 64, 3), np.float32)
-    many = np.linspace(0, 30, 1 << 25, dtype=np.float32).reshape(-1, 2)
-    corner = np.array([[0.01, 0.01], [0.02, 0.01], [0.01, 0.02]], np.float32)
-    return {
-        "render": lambda: head.render(size=(8000, 8000), supersample=2, threads=1),
-        "bake": lambda: texmap.bake(sheet, size=2048, shadow_size=0, threads=1),
-        "env": lambda: texmap.env(sky, "cube", size=1024, blur=3, threads=1),
-        "uv_raster": lambda: texmap.uv_raster(corner, [[0, 1, 2]], size=3000, gutter=3000, threads=1),
-        "unwrap": lambda: texmap.unwrap(points, faces, size=4096, threads=1),
-        "warp": lambda: texmap.warp(photo, np.diag([100.0, 100.0, 1.0]), size=(8000, 8000), threads=1),
-        "sample": lambda: texmap.sample(photo, many, filter="trilinear", threads=1),
-        "dr.rasterize": lambda: dr.rasterize(None, np.repeat(pos, 60, axis=0), faces, (512, 512), threads=1),
-    }
+    return lambda: texmap.env(sky, "cube", size=3000, blur=60, threads=1)
 
 
-@pytest.mark.parametrize("name", ["render", "bake", "env", "uv_raster", "unwrap", "warp", "sample", "dr.rasterize"])
-def test_ctrl_c_ends_long_work(assets, name):
-    assert interrupted(Work(long_works(assets)[name])), f"{name} came to its end"
+def uv_raster(_):
+    # Each face reaches every texel.
+    uv = np.tile(np.array([[-1, -1], [3, -1], [-1, 3]], np.float32), (100_000, 1))
+    faces = np.arange(len(uv), dtype=np.int32).reshape(-1, 3)
+    return lambda: texmap.uv_raster(uv, faces, size=(64, 16384), conservative=True, threads=1)
+
+
+def unwrap(_):
+    points, faces = grid(300)
+    return lambda: texmap.unwrap(points, faces, size=8192, threads=1)
+
+
+@pytest.mark.parametrize("work", [render, bake, env, uv_raster, unwrap], ids=lambda work: work.__name__)
+def test_ctrl_c_ends_long_work(assets, work):
+    assert interrupted(work(assets))
+
+
+def test_ctrl_c_leaves_the_rest_of_an_array(assets):
+    uv = np.linspace(0, 30, 1 << 25, dtype=np.float32).reshape(-1, 2)
+    out = np.full((len(uv), 3), np.nan, np.float32)
+    assert interrupted(lambda: texmap.sample(np.ones((64, 64, 3), np.float32), uv, out=out, filter="bicubic", threads=1))
+    assert np.isnan(out[-1]).all() and not np.isnan(out[0]).any()
+    points, faces = icosphere(6)
+    pos = np.repeat(to_clip(clip_from_world(), points), 200, axis=0)
+    out = tuple(np.full((200, 256, 256, 4), np.nan, np.float32) for _ in range(2))
+    assert interrupted(lambda: dr.rasterize(None, pos, faces, (256, 256), out=out, threads=1))
+    assert np.isnan(out[0][-1]).all() and not np.isnan(out[0][0]).any()
+
+
+def test_ctrl_c_ends_a_warp():
+    assert interrupted(lambda: texmap.warp(np.ones((64, 64, 3), np.float32), np.diag([100.0, 100.0, 1.0]), size=(8000, 8000), threads=1))
 
 
 def test_short_work_is_not_mistaken_for_an_interrupted_one():
-    assert not interrupted(Work(lambda: texmap.sample(np.ones((4, 4, 3), np.float32), np.zeros((5, 2), np.float32))))
+    assert not interrupted(lambda: texmap.sample(np.ones((4, 4, 3), np.float32), np.zeros((5, 2), np.float32)))
