@@ -24,7 +24,7 @@ def interrupted(work):
     """True if a SIGINT that comes a moment later ends the call; False if the call returns before."""
     returned = False
     timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
-    faulthandler.dump_traceback_later(60, exit=True)
+    faulthandler.dump_traceback_later(40, exit=True)
     try:
         timer.start()
         work()
@@ -62,14 +62,14 @@ def bake(_):
 
 def env(_):
     sky = np.ones((256, 512, 3), np.float32)
-    return lambda: texmap.env(sky, "cube", size=3000, blur=60, threads=1)
+    return lambda: texmap.env(sky, "cube", size=1000, blur=60, threads=1)
 
 
 def uv_raster(_):
     # Each face reaches every texel.
-    uv = np.tile(np.array([[-1, -1], [3, -1], [-1, 3]], np.float32), (100_000, 1))
+    uv = np.tile(np.array([[-1, -1], [3, -1], [-1, 3]], np.float32), (60_000, 1))
     faces = np.arange(len(uv), dtype=np.int32).reshape(-1, 3)
-    return lambda: texmap.uv_raster(uv, faces, size=(64, 16384), conservative=True, threads=1)
+    return lambda: texmap.uv_raster(uv, faces, size=2048, conservative=True, threads=1)
 
 
 def unwrap(_):
