@@ -8,15 +8,12 @@ mod controls;
 mod eye;
 mod model;
 mod watch;
-// The lines of `texmap render --wireframe`.
-#[path = "../../crates/texmap-cli/src/cmd/render/wire.rs"]
-mod wire;
 
 use std::process::ExitCode;
 use std::time::Instant;
 
 use minifb::{Key, KeyRepeat, MouseButton, MouseMode, Scale, ScaleMode, Window, WindowOptions};
-use texmap_render::{Frame, RenderSettings, no_progress, pixel_hash, render};
+use texmap_render::{Aov, AovData, Frame, RenderSettings, no_progress, pixel_hash, render};
 
 use crate::arguments::Arguments;
 use crate::controls::Methods;
@@ -146,8 +143,9 @@ fn draw(model: &Model, methods: &Methods, (width, height): (u32, u32)) -> Result
         ..RenderSettings::new(width, height)
     };
     let mut frame = render(&shaped, &settings, &no_progress).map_err(|e| e.to_string())?;
-    if methods.lines {
-        wire::draw(&shaped, &mut frame);
+    let depth = frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Depth);
+    if let (true, Some((_, _, AovData::F32(depth)))) = (methods.lines, depth) {
+        texmap_mesh::wireframe(&shaped, [width, height], depth, &mut frame.rgba, None);
     }
     Ok(frame)
 }

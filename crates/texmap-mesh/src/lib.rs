@@ -4,6 +4,7 @@
 //! - [`Skin`], [`Skeleton`]: linear blend skinning; [`map_vertices`]: any function of a vertex.
 //! - [`height_field`]: terrain over a picture of heights; [`billboards`]: cards that face the camera; [`Font`]: words as quads;
 //!   [`Typeface`]: the built-in letters as coverage of pixels.
+//! - [`wireframe()`]: the edges of the faces over a finished picture.
 //!
 //! ```
 //! use texmap_mesh::map_vertices;
@@ -32,6 +33,7 @@ mod tessellate;
 mod text;
 mod typeface;
 mod vertex_stage;
+mod wireframe;
 
 pub use billboard::billboards;
 pub use error::MeshError;
@@ -41,3 +43,4 @@ pub use tessellate::tessellate;
 pub use text::Font;
 pub use typeface::{GlyphGrid, Typeface};
 pub use vertex_stage::{MeshVertex, map_vertices};
+pub use wireframe::wireframe;

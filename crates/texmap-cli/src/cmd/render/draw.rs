@@ -12,6 +12,7 @@ use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, LoadOptions, PictureFormat, npy};
 use texmap_math::Level;
 use texmap_math::camera::Camera;
+use texmap_mesh::wireframe;
 use texmap_planner as planner;
 use texmap_planner::Choices;
 use texmap_raster::TILE;
@@ -29,7 +30,6 @@ use crate::cmd::render::plan::{Item, Kind, array_name, heat_name, rays_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, ItemReport, SceneReport, TimesReport, milliseconds,
 };
-use crate::cmd::render::wire;
 use crate::cmd::render::write::{Store, values};
 use crate::failure::{Failure, Refusal, say};
 use crate::observe;
@@ -313,7 +313,7 @@ impl Context<'_> {
         let mut frame =
             texmap_render::render(scene, &settings, &report).map_err(|e| self.refused(e))?;
         if self.args.look.wireframe {
-            wire::draw(scene, &mut frame);
+            draw_edges(scene, &mut frame);
         }
         Ok((frame, choices))
     }
@@ -550,5 +550,21 @@ impl Context<'_> {
             Some(&self.item.input.display().to_string()),
             "nothing was drawn; an older picture of this name was left as it was",
         )
+    }
+}
+
+/// The lines of `--wireframe`, over the bytes and the linear colours of a frame with [`Aov::Depth`].
+fn draw_edges(scene: &Scene, frame: &mut Frame) {
+    let (mut depth, mut colors) = (None, None);
+    for (aov, _, data) in &mut frame.aovs {
+        match (aov, data) {
+            (Aov::Depth, AovData::F32(values)) => depth = Some(&*values),
+            (Aov::Color, AovData::F32(values)) => colors = Some(values.as_mut_slice()),
+            _ => {}
+        }
+    }
+    if let Some(depth) = depth {
+        let size = [frame.width, frame.height];
+        wireframe(scene, size, depth, &mut frame.rgba, colors);
     }
 }

@@ -33,7 +33,6 @@ mod rays;
 mod report;
 mod seen;
 mod sheet;
-mod wire;
 mod write;
 
 /// Draw scenes and models as pictures.

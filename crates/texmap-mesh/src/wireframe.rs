@@ -1,9 +1,8 @@
-//! `--wireframe`: the edges of the faces over a finished frame, antialiased, hidden where a surface stands before them.
+//! Wireframes: the edges of the faces over a finished picture, antialiased, hidden where a surface stands before them.
 
 use texmap_math::color::{linear_to_srgb8, srgb8_to_linear, unit_to_u8};
 use texmap_math::glam::{DMat4, DVec2, DVec4};
 use texmap_math::wide;
-use texmap_render::{Aov, AovData, Frame};
 use texmap_scene::{ColorMode, Mesh, Scene};
 
 /// Width of a line in pixels.
@@ -11,26 +10,40 @@ const WIDTH: f64 = 1.0;
 /// Colour of a line, linear light.
 const INK: f32 = 0.004;
 
-/// Draws the edges into the bytes of a frame and, where it has them, into its linear colours. The frame must have [`Aov::Depth`].
-pub(crate) fn draw(scene: &Scene, frame: &mut Frame) {
-    let (width, height) = (frame.width, frame.height);
+/// Draws the edges of a scene's faces into a picture of it, as seen by the scene's camera. Diagonals inside of a face are left out.
+///
+/// `size` is the width and height in pixels. `depth` holds the depth of each pixel, rows top to bottom: 1 at the near plane, 0 far away,
+/// NaN where nothing is drawn. `rgba` holds its bytes, straight alpha, in the scene's colour mode; `colors` its linear colours,
+/// premultiplied, where the caller keeps them. Nothing is drawn where a length does not fit `size` or the camera is degenerate; corners
+/// that are not finite draw no edge.
+pub fn wireframe(
+    scene: &Scene,
+    size: [u32; 2],
+    depth: &[f32],
+    rgba: &mut [u8],
+    colors: Option<&mut [f32]>,
+) {
+    let [width, height] = size;
+    let pixels = width as usize * height as usize;
+    if pixels == 0 || depth.len() != pixels || rgba.len() != 4 * pixels {
+        return;
+    }
     let aspect = f64::from(width) / f64::from(height);
     let Ok(clip_from_world) = scene.camera.clip_from_world(aspect) else {
         return;
     };
-    let depth = frame.aovs.iter().find(|(aov, ..)| *aov == Aov::Depth);
-    let Some((_, _, AovData::F32(depth))) = depth else {
-        return;
-    };
     let mut lines = Lines {
-        size: [width as usize, height as usize],
+        size: size.map(|n| n as usize),
         behind: farthest(depth, width as usize),
-        cover: vec![0.0; depth.len()],
+        cover: vec![0.0; pixels],
     };
     for mesh in &scene.meshes {
         lines.mesh(mesh, clip_from_world * mesh.world_from_object);
     }
-    ink(frame, &lines.cover, scene.color);
+    ink_bytes(rgba, &lines.cover, scene.color);
+    if let Some(colors) = colors {
+        ink_colors(colors, &lines.cover);
+    }
 }
 
 struct Lines {
@@ -157,8 +170,9 @@ fn farthest(depth: &[f32], width: usize) -> Vec<f32> {
     out
 }
 
-fn ink(frame: &mut Frame, cover: &[f32], mode: ColorMode) {
-    for (pixel, cover) in frame.rgba.as_chunks_mut::<4>().0.iter_mut().zip(cover) {
+/// Lines over bytes of straight alpha.
+fn ink_bytes(rgba: &mut [u8], cover: &[f32], mode: ColorMode) {
+    for (pixel, cover) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(cover) {
         if *cover == 0.0 {
             continue;
         }
@@ -177,13 +191,14 @@ fn ink(frame: &mut Frame, cover: &[f32], mode: ColorMode) {
         }
         pixel[3] = unit_to_u8(over);
     }
-    let color = frame.aovs.iter_mut().find(|(aov, ..)| *aov == Aov::Color);
-    if let Some((_, _, AovData::F32(values))) = color {
-        for (pixel, cover) in values.as_chunks_mut::<4>().0.iter_mut().zip(cover) {
-            let front = [INK * cover, INK * cover, INK * cover, *cover];
-            for (value, front) in pixel.iter_mut().zip(front) {
-                *value = front + *value * (1.0 - cover);
-            }
+}
+
+/// Lines over linear colours, premultiplied.
+fn ink_colors(colors: &mut [f32], cover: &[f32]) {
+    for (pixel, cover) in colors.as_chunks_mut::<4>().0.iter_mut().zip(cover) {
+        let front = [INK * cover, INK * cover, INK * cover, *cover];
+        for (value, front) in pixel.iter_mut().zip(front) {
+            *value = front + *value * (1.0 - cover);
         }
     }
 }
@@ -193,16 +208,10 @@ mod tests {
     use super::*;
     use texmap_math::Camera;
     use texmap_math::glam::DVec3;
-    use texmap_render::RenderSettings;
-    use texmap_scene::{Material, Shading};
 
-    /// A square of one face, made of two triangles, before the eye.
+    /// A square of one face, made of two triangles, before the eye; a smaller one behind it.
     fn scene(back: bool) -> Scene {
         let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 3.0], [0.0; 3]));
-        scene.materials = vec![Material {
-            shading: Shading::Unlit,
-            ..Material::default()
-        }];
         let square = |z: f32, half: f32| Mesh {
             positions: vec![
                 [-half, -half, z],
@@ -221,34 +230,40 @@ mod tests {
         scene
     }
 
-    fn inked(scene: &Scene) -> Vec<bool> {
-        let settings = RenderSettings {
-            aovs: vec![Aov::Depth],
-            ..RenderSettings::new(64, 64)
+    /// Depth of the front square over the whole picture, or of an empty one.
+    fn inked(scene: &Scene, solid: bool) -> Vec<bool> {
+        let clip = scene.camera.clip_from_world(1.0).unwrap() * DVec4::W;
+        let depth = if solid {
+            (clip.z / clip.w) as f32
+        } else {
+            f32::NAN
         };
-        let mut frame =
-            texmap_render::render(scene, &settings, &texmap_render::no_progress).unwrap();
-        let before = frame.rgba.clone();
-        draw(scene, &mut frame);
-        let changed = frame
-            .rgba
-            .chunks(4)
-            .zip(before.chunks(4))
-            .map(|(a, b)| a != b);
-        changed.collect()
+        let mut rgba = vec![255; 64 * 64 * 4];
+        let mut colors = vec![1.0; 64 * 64 * 4];
+        let depth = vec![depth; 64 * 64];
+        wireframe(scene, [64, 64], &depth, &mut rgba, Some(&mut colors));
+        let changed: Vec<bool> = rgba.chunks(4).map(|p| p != [255; 4]).collect();
+        let linear = colors.chunks(4).map(|p| p != [1.0; 4]);
+        assert!(linear.eq(changed.iter().copied()));
+        changed
     }
 
     #[test]
     fn outlines_are_drawn_and_diagonals_and_hidden_edges_are_not() {
-        let plain = inked(&scene(false));
+        let plain = inked(&scene(false), true);
         // A side of the square stands at 32 +- 32 / (3 tan 30).
         let side = (32.0 + 32.0 / (3.0 * 30_f64.to_radians().tan())) as usize;
         assert!(plain[32 * 64 + side] && plain[32 * 64 + 63 - side]);
         assert!(!plain[30 * 64 + 33] && !plain[33 * 64 + 30] && !plain[32 * 64 + 32]);
         assert_eq!(
             plain,
-            inked(&scene(true)),
+            inked(&scene(true), true),
             "what stands behind draws no line"
+        );
+        assert_ne!(
+            plain,
+            inked(&scene(true), false),
+            "and does where nothing stands before it"
         );
     }
 
@@ -257,6 +272,13 @@ mod tests {
         let mut scene = scene(false);
         scene.camera.eye = DVec3::new(0.0, 0.2, 0.9);
         scene.camera.look = DVec3::new(0.9, 0.0, 0.1);
-        assert!(inked(&scene).contains(&true));
+        assert!(inked(&scene, false).contains(&true));
+    }
+
+    #[test]
+    fn arrays_of_another_size_are_left_alone() {
+        let mut rgba = vec![255; 4 * 63];
+        wireframe(&scene(false), [8, 8], &[0.0; 64], &mut rgba, None);
+        assert_eq!(rgba, vec![255; 4 * 63]);
     }
 }
