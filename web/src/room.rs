@@ -425,4 +425,68 @@ mod tests {
         assert!(overlaps(&SOLID[0], DVec2::new(4.5, 12.0), PLAYER));
         assert!(!overlaps(&SOLID[0], DVec2::new(3.0, 12.0), PLAYER));
     }
+
+    fn room() -> Room {
+        let names = [
+            "textures/carpet.gif",
+            "textures/ceilingtile.gif",
+            "textures/walls.gif",
+            "textures/fence.png",
+            "textures/leaf.png",
+            "textures/cow.png",
+            "models/cow.obj",
+            "models/cow.mtl",
+        ];
+        let assets = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+        let mut files = Files::new();
+        files.add(names.map(|name| (name.into(), std::fs::read(assets.join(name)).unwrap())));
+        Room::new(&files).unwrap()
+    }
+
+    #[test]
+    fn the_door_alone_is_lifted() {
+        let room = room();
+        let [x0, y0, x1, y1] = DOOR;
+        let within = |p: &[f32; 3]| {
+            (x0..=x1).contains(&f64::from(p[0])) && (y0..=y1).contains(&f64::from(p[1]))
+        };
+        assert!(
+            room.scene.meshes[room.door_mesh]
+                .positions
+                .iter()
+                .all(within)
+        );
+        let walls = room.scene.meshes.iter().find(|mesh| mesh.name == "walls");
+        assert!(!walls.unwrap().positions.iter().all(within));
+    }
+
+    #[test]
+    fn the_door_stops_until_it_is_open() {
+        let mut room = room();
+        let walk = |room: &mut Room, steps: u32, buttons: u32| {
+            (0..steps).for_each(|_| {
+                room.step(Input {
+                    buttons,
+                    ..Input::default()
+                });
+            });
+        };
+        walk(&mut room, 150, Input::FORWARD);
+        assert!(room.eye.y < DOOR[1] - PLAYER + WALK, "{}", room.eye);
+        walk(&mut room, 1, Input::USE);
+        walk(&mut room, 60, 0);
+        walk(&mut room, 60, Input::FORWARD);
+        assert!(room.eye.y > DOOR[3], "{}", room.eye);
+    }
+
+    #[test]
+    fn the_recorded_walk_goes_through_the_door() {
+        let mut room = room();
+        crate::walk::play(&mut room, [64, 40], 0, false).unwrap();
+        assert!(
+            room.door > 0.9 && room.eye.y > DOOR[3] + PLAYER,
+            "{}",
+            room.eye
+        );
+    }
 }

@@ -7,7 +7,7 @@ use crate::room::{Input, Room};
 
 /// Steps and the buttons that are held through them.
 pub const RECORDED: [(u32, u32); 12] = [
-    (75, Input::FORWARD),
+    (90, Input::FORWARD),
     (1, Input::USE),
     (70, 0),
     (80, Input::FORWARD | Input::RUN),
