@@ -7,6 +7,7 @@
 
 mod answer;
 mod aov;
+mod baked_room;
 mod camera;
 mod charts;
 mod compare;

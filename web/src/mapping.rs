@@ -20,6 +20,9 @@ pub struct Mapped {
     seams: bool,
     view: String,
     size: u32,
+    /// The checker alone, without the report: it comes first.
+    #[serde(default)]
+    quick: bool,
 }
 
 impl Mapped {
@@ -59,11 +62,6 @@ impl Mapped {
         let mapped = mapping
             .map(Level::new(), &mesh, &[])
             .map_err(|e| e.to_string())?;
-        let options = ReportOptions {
-            views: false,
-            ..ReportOptions::default()
-        };
-        let figures = report(&mesh, &mapped.set, &options).map_err(|e| e.to_string())?;
         let view: View = self.view.parse().map_err(|_| "unknown view")?;
         let size = self.size.clamp(64, 1024);
         // The words of the error would bring every demo of the lab along.
@@ -71,6 +69,14 @@ impl Mapped {
         let mut answer = Answer::default();
         let checker = uv_pictures::checker(&mesh, &mapped.set, Origin::TopLeft, view, size);
         answer.picture("a checker of 16 x 16", &checker.map_err(drawn)?);
+        if self.quick {
+            return Ok(answer);
+        }
+        let options = ReportOptions {
+            views: false,
+            ..ReportOptions::default()
+        };
+        let figures = report(&mesh, &mapped.set, &options).map_err(|e| e.to_string())?;
         answer.picture(
             "distortion: blue none, red from 2 on",
             &uv_pictures::heat(&mesh, &figures, view, size).map_err(drawn)?,

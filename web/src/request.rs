@@ -78,7 +78,7 @@ pub fn answer(files: &Files, json: &str) -> Result<Answer, String> {
         Request::Rectify(rectify) => rectify.answer(files),
         Request::Footprint(footprint) => footprint.answer(files),
         Request::DepthMap(map) => map.answer(files),
-        Request::LightMap(light) => light.answer(),
+        Request::LightMap(light) => light.answer(files),
         Request::Charts(charts) => charts.answer(files),
         Request::Mapping(mapped) => mapped.answer(files),
     }

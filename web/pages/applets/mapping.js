@@ -11,6 +11,8 @@ export default {
     { id: 'seams', kind: 'check', label: 'Repair the seam and the poles', value: true },
     { id: 'view', kind: 'choice', label: 'View', value: 'three-quarter', options: ['three-quarter', 'front', 'back', 'left', 'right', 'top', 'bottom', 'iso'] },
   ],
+  // The figures come after the first picture.
+  slow: true,
   even: true,
   files: (c) => [`models/${c.model}.obj`, ...(['ball_plain'].includes(c.model) ? [] : [`models/${c.model}.mtl`])],
   request: (c) => ({ kind: 'mapping', model: `models/${c.model}.obj`, shape: c.shape, by: c.by, repeat: [c.repeat, c.repeat], seams: c.seams, view: c.view, size: 360 }),

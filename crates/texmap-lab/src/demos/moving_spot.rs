@@ -37,20 +37,22 @@ impl MovingSpot {
         Ok(Self { size, resting })
     }
 
-    /// Frame `number` of a round of `of`, under the resting map plus that of the spot alone, and how far it is from the picture under
-    /// a fresh bake of all lights.
+    /// Frame `number` of a round of `of`, under the resting map plus that of the spot alone.
+    ///
+    /// # Errors
+    /// None that a size within range brings.
+    pub fn picture(&self, number: u32, of: u32) -> Result<Picture, LabError> {
+        self.moved(&scene_of(number, of)?)
+    }
+
+    /// The picture of a frame, and how far it is from the picture under a fresh bake of all lights.
     ///
     /// # Errors
     /// None that a size within range brings.
     pub fn frame(&self, number: u32, of: u32) -> Result<(Picture, Claim), LabError> {
-        let scene = with_spot(f64::from(number) / f64::from(of.max(1)))?;
-        let spot = scene.lights.len() - 1;
-        let mut map = baked(&scene, TEXELS, Some(&[spot]))?;
-        for (sum, rest) in map.texels.iter_mut().zip(&self.resting.texels) {
-            *sum = [0, 1, 2].map(|k| sum[k] + rest[k]);
-        }
-        let moved = self.picture(&scene, &map)?;
-        let fresh = self.picture(&scene, &baked(&scene, TEXELS, None)?)?;
+        let scene = scene_of(number, of)?;
+        let moved = self.moved(&scene)?;
+        let fresh = self.under_map(&scene, &baked(&scene, TEXELS, None)?)?;
         let pixels = 0..(self.size * self.size) as usize;
         let worst = pixels.map(|i| difference(&moved, &fresh, i)).max();
         let claim = Claim::new(
@@ -62,13 +64,23 @@ impl MovingSpot {
         Ok((moved, claim))
     }
 
-    fn picture(&self, scene: &Scene, map: &LightMap) -> Result<Picture, LabError> {
+    /// The last light of the scene is the spot.
+    fn moved(&self, scene: &Scene) -> Result<Picture, LabError> {
+        let mut map = baked(scene, TEXELS, Some(&[scene.lights.len() - 1]))?;
+        for (sum, rest) in map.texels.iter_mut().zip(&self.resting.texels) {
+            *sum = [0, 1, 2].map(|k| sum[k] + rest[k]);
+        }
+        self.under_map(scene, &map)
+    }
+
+    fn under_map(&self, scene: &Scene, map: &LightMap) -> Result<Picture, LabError> {
         stage::photograph(&under(scene.clone(), map)?, self.size)
     }
 }
 
-/// The room with its spot at a part of its round.
-fn with_spot(part: f64) -> Result<Scene, LabError> {
+/// The room with its spot at a frame of its round.
+fn scene_of(number: u32, of: u32) -> Result<Scene, LabError> {
+    let part = f64::from(number) / f64::from(of.max(1));
     let mut scene = room()?;
     let (sin, cos) = deterministic_f64::sin_cos(part * std::f64::consts::TAU);
     let aim = DVec3::new(1.7 * cos, 0.9 + 0.9 * sin, -1.6 + 0.4 * sin);
