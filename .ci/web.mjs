@@ -1,6 +1,8 @@
 // The pages of web/dist in a headless Chromium: every page opens, every control changes its picture, the pictures of the first values have
 // the hashes of the native program, on both builds of the module; nothing is asked from elsewhere, no error is logged.
 //   node .ci/web.mjs FOLDER [--shots DIR] [--short] [PAGE...]
+//   node .ci/web.mjs FOLDER --looks [--shots DIR] [PAGE...]     layouts alone
+//   node .ci/web.mjs FOLDER first [RUNS] [PAGE...]     milliseconds to the first picture of each page, the least of the runs
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { mkdirSync, readFileSync, existsSync, statSync } from 'node:fs';
@@ -11,7 +13,10 @@ const args = process.argv.slice(2);
 const taken = (flag) => { const i = args.indexOf(flag); return i < 0 ? null : args.splice(i, 2)[1]; };
 const shots = taken('--shots');
 const short = args.includes('--short') && args.splice(args.indexOf('--short'), 1);
+const alone = args.includes('--looks') && args.splice(args.indexOf('--looks'), 1);
 const [root, ...wanted] = args;
+const timed = wanted[0] === 'first' && wanted.shift();
+const runs = timed && /^\d+$/.test(wanted[0]) ? Number(wanted.shift()) : 5;
 if (shots) mkdirSync(shots, { recursive: true });
 const kinds = { html: 'text/html', js: 'text/javascript', css: 'text/css', json: 'application/json', wasm: 'application/wasm', svg: 'image/svg+xml', png: 'image/png' };
 const server = createServer((request, response) => {
@@ -26,73 +31,76 @@ const site = `http://127.0.0.1:${server.address().port}`;
 const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'].find((path) => existsSync(path));
 const browser = await chromium.launch({ executablePath, args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'] });
 const list = JSON.parse(readFileSync(join(root, 'pages.json'), 'utf8')).map(({ name }) => name);
+const { moves } = await import(new URL('../web/pages/values.js', import.meta.url));
+const moved = JSON.parse(readFileSync(new URL('../web/moves.json', import.meta.url), 'utf8'));
 const hashes = JSON.parse(readFileSync(join(root, 'hashes.json'), 'utf8'));
 const names = wanted.length ? wanted : ['index', ...list];
 const faults = [];
 const fault = (page, text) => { faults.push(`${page}: ${text}`); console.error(`web: ${page}: ${text}`); };
 
-async function open(name, { query = '', width = 1280, height = 960, dark = false } = {}) {
+async function open(name, { query = '', width = 1280, height = 960, dark = false, until = 'ready' } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', hasTouch: width < 600, isMobile: width < 600 });
   const page = await context.newPage();
   page.on('console', (message) => { if (message.type() === 'error') fault(name, `console: ${message.text()}`); });
   page.on('pageerror', (error) => fault(name, `error: ${error.message}`));
   page.on('request', (request) => { if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(`${site}/`)) fault(name, `asks ${request.url()}`); });
   await page.goto(`${site}/${name}.html${query}`);
-  await ready(page);
+  if (until === 'ready') await ready(page);
+  else await page.waitForFunction(() => performance.getEntriesByName('first picture').length, null, { timeout: 120000 });
   return { page, context };
 }
 const ready = (page) => page.waitForFunction(() => document.querySelector('main').dataset.state === 'ready', null, { timeout: 120000 });
 const pictures = (page) => page.$$eval('canvas', (all) => all.map((canvas) => canvas.dataset.hash).join());
 const words = (page) => page.$eval('.error', (p) => p.textContent).catch(() => null);
 
-/// Moves a control to another value; false where it cannot move.
-async function move(page, control) {
-  const at = `[data-control="${control}"]`;
-  const kind = await page.$eval(at, (e) => (e.tagName === 'SELECT' ? 'select' : e.type));
-  if (await page.$eval(at, (e) => e.disabled)) return false;
-  if (kind === 'select') await page.$eval(at, (e) => { e.selectedIndex = (e.selectedIndex + 1) % e.options.length; e.dispatchEvent(new Event('change', { bubbles: true })); });
-  else if (kind === 'checkbox') await page.$eval(at, (e) => e.click());
-  else if (kind === 'range') await page.$eval(at, (e) => { const span = e.max - e.min; e.value = Number(e.value) + (Number(e.value) - e.min > span / 2 ? -0.3 : 0.3) * span; e.dispatchEvent(new Event('input', { bubbles: true })); });
-  else { await page.focus(at); for (let i = 0; i < 5; i++) await page.keyboard.press('ArrowRight'); }
-  return true;
+const first = (page) => page.evaluate(() => Math.round(performance.getEntriesByName('first picture')[0]?.startTime ?? NaN));
+
+/// Gives a control of an applet a value, as a user does.
+async function set(page, control, value, from) {
+  const at = `[data-control="${control.id}"]`;
+  if (control.kind === 'picture') await page.setInputFiles(`#control-${control.id}`, join(root, 'assets', value));
+  else if (control.kind === 'files') await page.setInputFiles(`#control-${control.id}`, [value, value.replace('.obj', '.mtl')].map((file) => join(root, 'assets', file)).filter(existsSync));
+  else if (control.kind === 'choice') await page.selectOption(at, value);
+  else if (control.kind === 'check') await page.setChecked(at, value);
+  else if (control.kind === 'points') { await page.focus(at); for (let x = from[0][0]; x < value[0][0]; x += 0.01) await page.keyboard.press('ArrowRight'); }
+  else await page.$eval(at, (e, value) => { e.value = String(value); e.dispatchEvent(new Event('input', { bubbles: true })); }, value);
+  await page.waitForTimeout(30);
+  await ready(page);
 }
 
-/// The page of an applet: hashes first, then every control.
+/// The page of an applet: the hashes of its first pictures, then those after a move of each control.
 async function applet(name) {
   const { default: definition } = await import(new URL(`../web/pages/applets/${name}.js`, import.meta.url));
-  const { page, context } = await open(name);
-  const took = await page.evaluate(() => performance.now());
-  const error = await words(page);
-  if (error) fault(name, error);
-  const shown = (await pictures(page)).split(',');
-  for (const [i, hash] of shown.entries()) if (hash !== hashes[name]?.[i]) fault(name, `picture ${i} is ${hash}, natively ${hashes[name]?.[i]}`);
-  if (shots) await page.screenshot({ path: join(shots, `${name}.png`), fullPage: true });
-  let moved = 0;
-  for (const control of short ? [] : definition.controls.filter((control) => control.kind !== 'picture')) {
-    for (const [other, wanted] of Object.entries(control.when ?? {})) {
-      await page.selectOption(`[data-control="${other}"]`, String([wanted].flat()[0]));
+  for (const query of short ? [''] : ['', '?simd=0']) {
+    const label = query ? `${name} without simd128` : name;
+    const { page, context } = await open(name, { query });
+    const took = await first(page);
+    const expect = async (key, what) => {
+      const [shown, error] = [(await pictures(page)).split(','), await words(page)];
+      if (error) fault(label, `${what}: ${error}`);
+      // After a move those are known that need no reference: the first ones.
+      const wanted = (key === name ? hashes : moved)[key];
+      if (!wanted || shown.slice(0, wanted.length).join() !== wanted.join() || (key === name && shown.length !== wanted.length)) fault(label, `${what}: pictures ${shown}, natively ${wanted}`);
+      return shown;
+    };
+    const shown = await expect(name, 'first values');
+    if (!query && shots) await page.screenshot({ path: join(shots, `${name}.png`), fullPage: true });
+    let count = 0;
+    // The build without simd128 takes long in a browser: its moves are made without one (`.ci/web-modules.mjs`).
+    for (const { control, before, after } of short || query ? [] : moves(definition)) {
+      for (const other of definition.controls.filter(({ id }) => id in (control.when ?? {}))) await set(page, other, before[other.id]);
+      const still = await pictures(page);
+      await set(page, control, after[control.id], before[control.id]);
+      const pictured = await expect(`${name}/${control.id}`, control.id);
+      if (pictured.join() === still) fault(label, `${control.id} changes nothing`);
+      count++;
+      await page.click('#reset');
+      await page.waitForTimeout(30);
       await ready(page);
     }
-    const before = await pictures(page);
-    await move(page, control.id);
-    await page.waitForTimeout(30);
-    await ready(page);
-    const error = await words(page);
-    if (error) fault(name, `${control.id}: ${error}`);
-    if ((await pictures(page)) === before) fault(name, `${control.id} changes nothing`);
-    moved++;
-    await page.click('#reset');
-    await page.waitForTimeout(30);
-    await ready(page);
-  }
-  if (!short && (await pictures(page)) !== shown.join()) fault(name, 'reset does not bring the first pictures back');
-  console.log(`web: ${name}: ${shown.length} pictures, ${moved} controls, ready after ${Math.round(took)} ms`);
-  await context.close();
-  if (!short) {
-    const plain = await open(name, { query: '?simd=0' });
-    const other = await pictures(plain.page);
-    if (other !== shown.join()) fault(name, `without simd128: ${other}`);
-    await plain.context.close();
+    if (count && (await pictures(page)) !== shown.join()) fault(label, 'reset does not bring the first pictures back');
+    console.log(`web: ${label}: ${shown.length} pictures, ${count} controls moved, first picture after ${took} ms`);
+    await context.close();
   }
 }
 
@@ -119,6 +127,13 @@ async function doom() {
     console.log(`web: doom: ${size}: ${Number(rate).toFixed(1)} frames a second`);
   }
   await context.close();
+}
+
+/// Moves a control of the scene page to another value.
+async function move(page, control) {
+  const at = `[data-control="${control}"]`;
+  if (await page.$eval(at, (e) => e.tagName === 'SELECT')) await page.$eval(at, (e) => { e.selectedIndex = (e.selectedIndex + 1) % e.options.length; e.dispatchEvent(new Event('change', { bubbles: true })); });
+  else await page.$eval(at, (e) => { e.value = String(Number(e.value) + 0.3 * (e.max - e.min)); e.dispatchEvent(new Event('input', { bubbles: true })); });
 }
 
 async function scene() {
@@ -158,13 +173,25 @@ async function scene() {
 async function chart() {
   const { page, context } = await open('chart');
   if (shots) await page.screenshot({ path: join(shots, 'chart.png'), fullPage: true });
-  const before = await pictures(page);
-  await page.click('circle[data-point="8"]');
-  if ((await pictures(page)) === before) fault('chart', 'a point shows no picture');
-  await page.selectOption('#panel', 'interpolation');
-  await page.waitForTimeout(50);
-  await ready(page);
-  if (shots) await page.screenshot({ path: join(shots, 'chart-interpolation.png'), fullPage: true });
+  for (const panel of ['filters', 'interpolation']) {
+    if (panel !== 'filters') {
+      await page.selectOption('#panel', panel);
+      await page.waitForTimeout(50);
+      await ready(page);
+      if (shots) await page.screenshot({ path: join(shots, `chart-${panel}.png`), fullPage: true });
+    }
+    const points = Number(await page.$eval('main', (main) => main.dataset.points));
+    const behind = new Set();
+    for (let i = 0; i < points; i++) {
+      const name = await page.$eval(`circle[data-point="${i}"]`, (dot) => { dot.focus(); return dot.getAttribute('aria-label').split(':').slice(0, -1).join(':'); });
+      await page.keyboard.press('Enter');
+      behind.add(await pictures(page));
+      const caption = await page.$eval('figcaption', (caption) => caption.textContent);
+      if (!caption.startsWith(name)) fault('chart', `point ${name} shows "${caption}"`);
+    }
+    // Two methods may give the same bytes, as small spans do.
+    if (behind.size < points - 2) fault('chart', `${panel}: ${behind.size} pictures behind ${points} points`);
+  }
   console.log(`web: chart: ${await page.$eval('main', (main) => main.dataset.points)} points`);
   await context.close();
 }
@@ -178,16 +205,54 @@ async function index() {
 }
 
 const special = { doom, scene, chart, index };
-for (const name of names) await (special[name] ?? applet)(name).catch((error) => fault(name, error.message));
-if (shots) {
-  for (const name of ['index', 'affine', 'doom']) {
-    for (const [label, view] of [['phone', { width: 390, height: 844 }], ['dark', { dark: true }]]) {
-      const { page, context } = await open(name, view);
-      await page.screenshot({ path: join(shots, `${name}-${label}.png`), fullPage: label === 'phone' });
-      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-      if (wide > 1) fault(name, `${label}: ${wide} pixels too wide`);
+if (timed) {
+  for (const name of names.filter((name) => name !== 'index')) {
+    const times = [];
+    for (let run = 0; run < runs; run++) {
+      const { page, context } = await open(name, { until: 'first' });
+      times.push(await first(page));
       await context.close();
     }
+    console.log(`web: ${name}: first picture after ${Math.min(...times)} ms (${times.join(', ')})`);
+  }
+} else if (!alone) for (const name of names) await (special[name] ?? applet)(name).catch((error) => fault(name, error.message));
+
+/// Faults of the looks of a page, found by its layout: too wide, text cut, a control without a name or out of the keyboard's reach, faint text.
+function looks() {
+  const found = [];
+  const say = (element, text) => found.push(`${element.tagName.toLowerCase()}${element.id ? `#${element.id}` : ''} "${(element.textContent ?? '').trim().slice(0, 30)}": ${text}`);
+  const wide = document.documentElement.scrollWidth - innerWidth;
+  if (wide > 1) found.push(`${wide} pixels too wide`);
+  const seen = (element) => element.checkVisibility() && element.getClientRects().length > 0;
+  for (const element of [...document.querySelectorAll('button, select, input, canvas, a, summary, [role=button]')].filter(seen)) {
+    const name = element.getAttribute('aria-label') || element.textContent.trim() || [...(element.labels ?? [])].map((label) => label.textContent.trim()).join(' ');
+    if (!name) say(element, 'no accessible name');
+    if (element.matches('button, select, input, summary, [role=button]') && element.tabIndex < 0) say(element, 'out of reach of the keyboard');
+    const box = element.getBoundingClientRect();
+    if (element.matches('button, select, input[type=file], .handle') && Math.min(box.width, box.height) < 24) say(element, `${Math.round(box.width)} x ${Math.round(box.height)} pixels are small for a finger`);
+  }
+  const light = (rgb) => rgb.map((c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  const parts = (color) => color.match(/[\d.]+/g).map(Number);
+  const paper = (element) => { for (; element; element = element.parentElement) { const [r, g, b, a = 1] = parts(getComputedStyle(element).backgroundColor); if (a === 1) return [r, g, b]; } return [255, 255, 255]; };
+  for (const element of [...document.querySelectorAll('h1, p, td, small, label, output, button, select, figcaption, .formula, pre, summary, a, b, span')].filter(seen)) {
+    if (!element.textContent.trim() || element.disabled || element.matches('.handle')) continue;
+    const [ink, ground] = [light(parts(getComputedStyle(element).color).slice(0, 3)), light(paper(element))];
+    const ratio = (Math.max(ink, ground) + 0.05) / (Math.min(ink, ground) + 0.05);
+    if (ratio < 4.5) say(element, `contrast ${ratio.toFixed(1)}`);
+    if (element.scrollWidth > element.clientWidth + 1 && element.clientWidth && !['auto', 'scroll'].includes(getComputedStyle(element).overflowX)) say(element, 'cut or too wide');
+  }
+  for (const text of document.querySelectorAll('svg text')) {
+    const [box, all] = [text.getBBox(), text.ownerSVGElement.viewBox.baseVal];
+    if (box.x < 0 || box.y < 0 || box.x + box.width > all.width || box.y + box.height > all.height) say(text, 'beyond the chart');
+  }
+  return found;
+}
+for (const name of short || timed ? [] : names) {
+  for (const [label, view] of [['desktop', {}], ['desktop-dark', { dark: true }], ['phone', { width: 390, height: 844 }], ['phone-dark', { width: 390, height: 844, dark: true }]]) {
+    const { page, context } = await open(name, view);
+    for (const text of await page.evaluate(looks)) fault(name, `${label}: ${text}`);
+    if (shots && label !== 'desktop') await page.screenshot({ path: join(shots, `${name}-${label}.png`), fullPage: true });
+    await context.close();
   }
 }
 await browser.close();

@@ -27,6 +27,7 @@ main.append(
 );
 
 let run = 0;
+let chosen = 0;
 async function measure() {
   const mine = ++run;
   main.dataset.state = 'busy';
@@ -60,19 +61,32 @@ function plot(points, panel) {
   const log = (p) => Math.log10(Math.max(p.error, least));
   const most = { ms: Math.max(...points.map((p) => p.ms)) * 1.15, error: Math.max(...points.map(log)) + 0.1 };
   const low = Math.log10(least) - 0.1;
-  const at = (p) => [60 + 480 * p.ms / most.ms, 300 - 270 * (log(p) - low) / Math.max(0.2, most.error - low)];
-  svg.replaceChildren(shape('path', { d: 'M60 20V300H545', fill: 'none', class: 'axis' }), shape('text', { x: 450, y: 330 }, `${number(most.ms / 1.15)} ms a frame →`), shape('text', { x: 4, y: 16 }, `${panel.error} (log), ${points[0].unit}`));
+  const at = (p) => [60 + 470 * p.ms / most.ms, 300 - 270 * (log(p) - low) / Math.max(0.2, most.error - low)];
+  const axis = [shape('path', { d: 'M60 20V300H545', fill: 'none', class: 'axis' }), shape('text', { x: 60, y: 330 }, '0'), shape('text', { x: 540, y: 330, 'text-anchor': 'end' }, `${number(most.ms / 1.15)} ms a frame →`), shape('text', { x: 4, y: 13 }, `${panel.error} (log), ${points[0].unit}`)];
+  for (let power = Math.ceil(low); power <= most.error; power++) {
+    const y = 300 - 270 * (power - low) / Math.max(0.2, most.error - low);
+    axis.push(shape('path', { d: `M60 ${y}H545`, class: 'axis' }), shape('text', { x: 54, y: y + 4, 'text-anchor': 'end' }, String(Number((10 ** power).toPrecision(1)))));
+  }
+  svg.replaceChildren(...axis);
+  // A name stands where it covers no dot and no other name, right of its dot if it can.
+  const taken = points.map(at).map(([x, y]) => [x - 8, y - 8, x + 8, y + 8]);
   points.forEach((p, i) => {
     const [cx, cy] = at(p);
-    const dot = shape('circle', { cx, cy, r: 7, tabindex: 0, role: 'button', 'aria-label': `${p.name}: ${number(p.ms)} ms, ${number(p.error)} ${p.unit}`, 'data-point': i });
+    const dot = shape('circle', { cx, cy, r: 7, tabindex: 0, role: 'button', 'aria-label': `${p.name}: ${number(p.ms)} ms, ${number(p.error)} ${p.unit}`, 'data-point': i, ...(i === chosen ? { class: 'on' } : {}) });
     dot.addEventListener('click', () => pick(points, i));
-    dot.addEventListener('keydown', (event) => { if (['Enter', ' '].includes(event.key)) pick(points, i); });
-    svg.append(dot, shape('text', { x: cx + 10, y: cy + 4 + (i % 3 - 1) * 9 }, p.name));
+    dot.addEventListener('keydown', (event) => { if (['Enter', ' '].includes(event.key)) { event.preventDefault(); pick(points, i); } });
+    const width = 7 * p.name.length;
+    const places = [0, -14, 14, -28, 28, -42, 42].flatMap((rise) => [[cx + 11, cy + rise], [cx - 11 - width, cy + rise]]);
+    const free = ([x, y]) => x > 62 && x + width < 558 && y > 8 && y < 296 && !taken.some(([x0, y0, x1, y1]) => x < x1 && x + width > x0 && y - 7 < y1 && y + 7 > y0);
+    const [x, y] = places.find(free) ?? [Math.min(cx + 11, 556 - width), cy];
+    taken.push([x, y - 7, x + width, y + 7]);
+    svg.append(dot, shape('text', { x, y: y + 4 }, p.name));
   });
   table.replaceChildren(...points.map((p) => make('tr', {}, make('td', {}, p.name), make('td', { class: 'number' }, `${number(p.ms)} ms`), make('td', { class: 'number' }, `${number(p.error)} ${p.unit}`))));
 }
 
 function pick(points, i) {
+  chosen = i;
   show(canvas, points[i].panel);
   canvas.dataset.hash = points[i].panel.hash;
   caption.textContent = `${points[i].name}: ${number(points[i].ms)} ms, ${panelError(points[i])}`;

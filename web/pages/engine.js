@@ -1,7 +1,7 @@
 // The engine of the applets: controls from a list, a request from their values, pictures and figures from the answer.
 
-import { call, hashes, make, number, save, show } from './lab.js';
-import { defaults } from './values.js';
+import { add, call, hashes, make, number, save, show } from './lab.js';
+import { defaults, quick } from './values.js';
 
 const main = document.querySelector('main');
 const name = main.dataset.page;
@@ -110,7 +110,8 @@ for (const control of page.controls) {
     control.set = (value) => { values[control.id] = value; input.value = String(value); tell(); };
     input.addEventListener('input', () => { values[control.id] = Number(input.value); tell(); changed(); });
     tell();
-    form.append(make('label', {}, control.label, shown, input));
+    // The label's own control: without `for` it would be the output, which comes first.
+    form.append(make('label', { for: id }, control.label, shown, input));
   } else if (control.kind === 'choice') {
     const select = make('select', { id, 'data-control': control.id });
     for (const option of control.options) {
@@ -124,14 +125,17 @@ for (const control of page.controls) {
     const input = make('input', { type: 'checkbox', id, 'data-control': control.id, checked: control.value });
     input.addEventListener('change', () => { values[control.id] = input.checked; changed(); });
     form.append(make('label', { class: 'check' }, input, control.label));
-  } else if (control.kind === 'picture') {
-    const input = make('input', { type: 'file', id, accept: 'image/*' });
-    input.addEventListener('change', () => input.files[0] && picture(control, input.files[0]));
+  } else if (control.kind === 'picture' || control.kind === 'files') {
+    const many = control.kind === 'files';
+    const input = make('input', { type: 'file', id, multiple: many, ...(many ? {} : { accept: 'image/*' }) });
+    const take = (files) => files.length && (many ? scene(control, files) : picture(control, files[0]));
+    input.addEventListener('change', () => take([...input.files]));
+    control.set = (value) => { values[control.id] = value; input.value = ''; };
     form.append(make('label', {}, control.label, input));
     document.addEventListener('dragover', (event) => event.preventDefault());
     document.addEventListener('drop', (event) => {
       event.preventDefault();
-      if (event.dataTransfer.files[0]) picture(control, event.dataTransfer.files[0]);
+      take([...event.dataTransfer.files]);
     });
   }
 }
@@ -145,6 +149,14 @@ async function picture(control, file) {
   own.add(given);
   await call('add', { name: given, bytes }, [bytes]);
   values[control.id] = given;
+  changed();
+}
+
+// A scene or model with its files; maps that come later belong to the one that is shown.
+async function scene(control, files) {
+  const { names, main } = await add(files);
+  names.forEach((name) => own.add(name));
+  if (main) values[control.id] = main;
   changed();
 }
 
@@ -171,13 +183,13 @@ function match() {
 // One request at a time; a quick one without its reference while controls move, the whole when they rest.
 let busy = false;
 let pending = null;
-let whole = 0;
+let took = 0;
 let resting = 0;
 function changed() {
   match();
   main.dataset.state = 'busy';
   clearTimeout(resting);
-  if (whole < 60) return draw(true);
+  if (took < 60) return draw(true);
   draw(false);
   resting = setTimeout(() => draw(true), 180);
 }
@@ -185,14 +197,15 @@ function changed() {
 async function draw(all) {
   if (busy) { pending = all || pending === true; return; }
   busy = true;
-  const request = page.request(values);
-  const full = request.reference || request.rays;
-  if (!all && full) { delete request.reference; delete request.rays; }
+  const asked = page.request(values);
+  const short = quick(page, asked);
+  const whole = all || !short;
+  const request = whole ? asked : short;
   try {
     const files = page.files(values).filter((file) => !own.has(file));
     const answer = await call('ask', { files, request });
-    if (all) whole = answer.ms;
-    tell(answer, request, all || !full);
+    if (all) took = answer.ms;
+    tell(answer, request, whole);
   } catch (error) {
     words.className = 'error';
     words.textContent = error.message;
@@ -202,7 +215,7 @@ async function draw(all) {
     const next = pending;
     pending = null;
     draw(next);
-  } else if (all || !full) {
+  } else if (whole) {
     main.dataset.state = 'ready';
     main.dataset.draws = String(Number(main.dataset.draws ?? 0) + 1);
   }
@@ -237,6 +250,8 @@ async function tell(answer, request, all) {
   if (resting && known) main.dataset.same = String(answer.panels.every((panel, i) => known[i] === panel.hash));
 }
 
+// The first picture does not wait for its reference.
 main.dataset.state = 'busy';
 match();
+if (quick(page, page.request(values))) draw(false);
 draw(true);

@@ -18,6 +18,20 @@ export function call(command, values = {}, moved = []) {
   });
 }
 
+/// Gives the Worker files of the user; all names, and that of the scene or model among them if there is one.
+export async function add(files) {
+  const kinds = ['scene', 'glb', 'gltf', 'obj', 'ply', 'stl'];
+  const names = [];
+  for (const file of files) {
+    const name = file.webkitRelativePath || file.name;
+    const bytes = await file.arrayBuffer();
+    await call('add', { name, bytes }, [bytes]);
+    names.push(name);
+  }
+  const rank = (name) => kinds.indexOf(name.split('.').pop().toLowerCase());
+  return { names, main: names.filter((name) => rank(name) >= 0).sort((a, b) => rank(a) - rank(b))[0] };
+}
+
 /// An element with attributes and children; `on...` attributes are listeners.
 export function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
@@ -33,6 +47,7 @@ export function make(tag, attributes = {}, ...children) {
 export function show(canvas, panel) {
   if (canvas.width !== panel.width || canvas.height !== panel.height) [canvas.width, canvas.height] = [panel.width, panel.height];
   canvas.style.imageRendering = panel.width < 200 ? 'pixelated' : '';
+  if (!performance.getEntriesByName('first picture').length) performance.mark('first picture');
   canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(panel.rgba), panel.width, panel.height), 0, 0);
 }
 

@@ -1,6 +1,6 @@
 // The scene page: files that are dropped, drawn as `texmap render` draws them.
 
-import { call, make, number, save, show } from './lab.js';
+import { add as addFiles, call, make, number, save, show } from './lab.js';
 
 const main = document.querySelector('main');
 const textures = ['carpet.gif', 'ceilingtile.gif', 'walls.gif', 'cow.png', 'fence.png', 'brick.png', 'leaf.png', 'leaf.gif', 'sky.png', 'lamps.png', 'uv_grid.png', 'face.png', 'label.png'].map((name) => `textures/${name}`);
@@ -73,17 +73,10 @@ addEventListener('dragover', (event) => event.preventDefault());
 addEventListener('drop', (event) => { event.preventDefault(); take([...event.dataTransfer.files]); });
 
 async function take(files) {
-  const kinds = ['scene', 'glb', 'gltf', 'obj', 'ply', 'stl'];
-  for (const one of files) {
-    const name = one.webkitRelativePath || one.name;
-    const bytes = await one.arrayBuffer();
-    await call('add', { name, bytes }, [bytes]);
-    dropped.push(name);
-  }
-  const rank = (one) => kinds.indexOf(one.name.split('.').pop().toLowerCase());
-  const [main] = files.filter((one) => rank(one) >= 0).sort((a, b) => rank(a) - rank(b));
+  const { names, main } = await addFiles(files);
+  dropped.push(...names);
   if (!main) { changed(); return; }
-  state.file = main.webkitRelativePath || main.name;
+  state.file = main;
   state.files = [];
   if (![...file.options].some((o) => o.value === state.file)) file.append(make('option', { value: state.file }, state.file));
   file.value = state.file;

@@ -5,20 +5,31 @@ const PROBE = new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 12
 const wanted = new URL(self.location).searchParams.get('simd');
 const simd = wanted === null ? WebAssembly.validate(PROBE) : wanted === '1';
 const name = simd ? 'simd' : 'plain';
+const module = fetch(new URL(`./wasm/${name}_bg.wasm`, self.location));
 const ready = (async () => {
   const wasm = await import(`./wasm/${name}.js`);
-  const { memory } = await wasm.default({ module_or_path: new URL(`./wasm/${name}_bg.wasm`, self.location) });
+  const { memory } = await wasm.default({ module_or_path: module });
   return { wasm, memory, lab: new wasm.Lab() };
 })();
-const loaded = new Map();
 
-function load(lab, file) {
-  if (!loaded.has(file)) {
-    loaded.set(file, fetch(`assets/${file}`).then(async (answer) => {
+// Files come while the module is compiled.
+const fetched = new Map();
+function fetchFile(file) {
+  if (!fetched.has(file)) {
+    const bytes = fetch(`assets/${file}`).then(async (answer) => {
       if (!answer.ok) throw new Error(`${file}: ${answer.status}`);
-      lab.add(file, new Uint8Array(await answer.arrayBuffer()));
-    }));
+      return new Uint8Array(await answer.arrayBuffer());
+    });
+    // A fault is told by the request that needs the file.
+    bytes.catch(() => {});
+    fetched.set(file, bytes);
   }
+  return fetched.get(file);
+}
+
+const loaded = new Map();
+function load(lab, file) {
+  if (!loaded.has(file)) loaded.set(file, fetchFile(file).then((bytes) => lab.add(file, bytes)));
   return loaded.get(file);
 }
 
@@ -66,6 +77,7 @@ const commands = {
 };
 
 self.onmessage = async ({ data }) => {
+  data.files?.filter((file) => !loaded.has(file)).forEach(fetchFile);
   try {
     const [result, moved] = await commands[data.command](await ready, data);
     self.postMessage({ id: data.id, result, simd }, moved);
