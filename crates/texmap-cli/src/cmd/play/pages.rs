@@ -121,6 +121,20 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "web")]
+    #[test]
+    fn the_program_holds_the_pages() {
+        let pages = Pages::find(None).unwrap();
+        assert!(matches!(pages, Pages::Embedded));
+        let index = pages.read("index.html").unwrap();
+        assert!(String::from_utf8_lossy(&index).contains("texmap"));
+        let module = pages
+            .read("wasm/plain_bg.wasm")
+            .or_else(|| pages.read("wasm/simd_bg.wasm"));
+        assert!(module.unwrap().starts_with(b"\0asm"));
+        assert!(pages.read("none.html").is_none());
+    }
+
     #[cfg(unix)]
     #[test]
     fn links_do_not_lead_out_of_the_folder() {
