@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use texmap_bake::{BakeOptions, Baker, MovingLight};
-use texmap_light::{Light, ShadowBias, ShadowMap};
+use texmap_light::{Light, PhongMaterial, ShadowBias, ShadowMap};
 use texmap_math::deterministic_f64::sin_cos;
 use texmap_math::glam::DVec3;
 use texmap_render::{RenderError, RenderSettings, shadow_map_for};
@@ -95,16 +95,16 @@ fn spot_light(scene: &Scene, part: f64) -> Light {
     let reach = |way: DVec3| half.dot(way.abs());
     let (sin, cos) = sin_cos(part * TAU);
     let from = middle + up * (0.85 * reach(up));
-    let aim = middle - up * (0.5 * reach(up))
-        + right * (0.6 * reach(right) * cos)
-        + away * (0.6 * reach(away) * sin);
+    // Not at a grazing angle, however wide the room is.
+    let around = |way: DVec3| way * (0.6 * reach(way)).min(1.5 * reach(up));
+    let aim = middle - up * reach(up) + around(right) * cos + around(away) * sin;
     let narrow = |v: DVec3| v.as_vec3().to_array();
     Light::spot(
         [0.8, 0.75, 0.6],
         narrow(from),
         narrow(aim - from),
-        0.22,
-        0.36,
+        0.3,
+        0.45,
     )
 }
 
@@ -120,6 +120,21 @@ fn charts(scene: &mut Scene, texels: u32) -> Result<(), String> {
             .get(mesh.material)
             .cloned()
             .unwrap_or_default();
+        let decal = material.texture_role == TextureRole::Decal && material.base_color.is_some();
+        if decal || material.shading == Shading::Unlit {
+            // The texel, or the colour, is the surface as before.
+            material.phong = PhongMaterial {
+                color: if decal {
+                    [1.0; 3]
+                } else {
+                    material.phong.color
+                },
+                ka: 1.0,
+                kd: 1.0,
+                ks: 0.0,
+                ..material.phong
+            };
+        }
         material.texture_role = TextureRole::Modulate;
         material.shading = Shading::PerPixel;
         mesh.material = materials.len();
