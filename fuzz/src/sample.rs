@@ -47,7 +47,7 @@ pub fn sample(bytes: &[u8]) {
         0 => texture,
         1 => texture.with_normal_mips(),
         2 => texture.with_coverage_mips(c.number()),
-        _ => texture.with_mips(),
+        _ => texture.with_mips().with_summed_area(),
     };
     // Products of colour and alpha stay in range.
     let tame = floats.iter().all(|x| x.abs() <= 1e15);
@@ -75,6 +75,7 @@ fn looked_up(texture: &Texture2d<'_>, tame: bool, c: &mut Choices<'_>) {
         Filter::Trilinear,
         Filter::Anisotropic(number),
         Filter::ewa(number),
+        Filter::SummedArea,
         Filter::Gl {
             mag: TexelFilter::Nearest,
             min: TexelFilter::Linear,

@@ -23,7 +23,7 @@ const option = (label, id, values) => {
 };
 const [fileLabel, file] = option('File', 'file', Object.keys(SAMPLES));
 const [sizeLabel, size] = option('Size', 'size', ['640x480', '1024x768', '320x240', '512x512']);
-const [filterLabel, filter] = option('Filter', 'filter', ['', 'nearest', 'bilinear', 'bicubic:mitchell', 'mip-nearest', 'trilinear', 'anisotropic:16', 'ewa:16']);
+const [filterLabel, filter] = option('Filter', 'filter', ['', 'nearest', 'bilinear', 'bicubic:mitchell', 'mip-nearest', 'trilinear', 'anisotropic:16', 'ewa:16', 'summed-area']);
 const [interpLabel, interp] = option('Interpolation', 'interp', ['', 'perspective', 'affine', 'subdivided:4', 'span:16']);
 const [wrapLabel, wrap] = option('Wrap', 'wrap', ['', 'repeat', 'mirrored-repeat', 'clamp-to-edge', 'clamp-to-border']);
 const [aovLabel, aov] = option('Array', 'aov', ['', 'depth', 'inv_w', 'uv', 'lod', 'face', 'mesh', 'normal', 'position']);

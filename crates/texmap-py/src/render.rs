@@ -151,7 +151,7 @@ fn interpolation(text: &str) -> PyResult<Interp> {
     })
 }
 
-/// Builds the mip chains that the samplers of the scene read, so that no picture builds them again.
+/// Builds the mip chains and the summed-area tables that the samplers of the scene read, so that no picture builds them again.
 fn build_mips(py: Python<'_>, scene: &Scene) -> PyResult<()> {
     if scene.inner.read().map_err(value)?.has_mips {
         return Ok(());
@@ -163,16 +163,15 @@ fn build_mips(py: Python<'_>, scene: &Scene) -> PyResult<()> {
             .meshes
             .iter()
             .filter_map(|m| scene.materials.get(m.material));
-        let read: Vec<usize> = materials
+        let read: Vec<_> = materials
             .flat_map(|m| m.slots())
-            .filter(|slot| slot.sampler.filter.reads_mips())
-            .map(|slot| slot.texture)
+            .map(|slot| (slot.texture, slot.sampler.filter))
             .collect();
-        for index in read {
+        for (index, filter) in read {
             if let Some(texture) = scene.textures.get_mut(index)
-                && texture.levels() == 1
+                && texture.bytes_to_prepare(filter) > 0
             {
-                *texture = texture.clone().with_mips();
+                *texture = texture.clone().prepared_for(filter);
             }
         }
         inner.has_mips = true;

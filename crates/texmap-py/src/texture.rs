@@ -1,5 +1,6 @@
 //! Textures of any number of channels, and look-ups in them.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use numpy::{PyReadonlyArray1, PyReadwriteArray1};
@@ -116,9 +117,27 @@ pub(crate) struct Texture {
     pub(crate) channels: usize,
     /// Two channels, the second of which is opacity.
     grey_alpha: bool,
+    /// The same with summed-area tables, once a filter reads them.
+    with_sums: OnceLock<Box<Self>>,
 }
 
 impl Texture {
+    /// The image with all that a filter reads.
+    fn prepared_for(&self, filter: Filter) -> &Self {
+        if !filter.reads_summed_area() {
+            return self;
+        }
+        let prepared = |group: &Texture2d<'static>| group.clone().prepared_for(filter);
+        self.with_sums.get_or_init(|| {
+            Box::new(Self {
+                groups: self.groups.iter().map(prepared).collect(),
+                channels: self.channels,
+                grey_alpha: self.grey_alpha,
+                with_sums: OnceLock::new(),
+            })
+        })
+    }
+
     /// The channels of a look-up in the order of the image.
     #[inline(always)]
     fn shown(&self, color: [f32; 4]) -> [f32; 4] {
@@ -172,6 +191,7 @@ impl Texture {
             groups,
             channels,
             grey_alpha: channels == 2 && alpha != Alpha::Data,
+            with_sums: OnceLock::new(),
         })
     }
 
@@ -264,6 +284,7 @@ pub(crate) fn sample(
     }
     let (out, level) = (out.as_slice_mut()?, level(simd)?);
     let has_footprints = duv.is_some();
+    let texture = py.detach(|| texture.prepared_for(sampler.filter));
     interruptible_look_ups(py, texture, uv, out, threads, |first, uv, out| {
         look_up(
             &sampler,

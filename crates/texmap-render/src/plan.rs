@@ -318,7 +318,7 @@ mod tests {
         (
             surface.vertices.attribute_count,
             surface.pass,
-            chains.mips[0].is_some(),
+            chains.made[0].is_some(),
         )
     }
 

@@ -9,16 +9,16 @@ use texmap_shade::Slot;
 
 use crate::{RenderError, RenderSettings};
 
-/// Mip chains by texture, built once for both passes and only where a sampler reads them.
+/// Textures with the mip chains and summed-area tables that samplers read, built once for both passes.
 pub(crate) struct Chains {
-    pub(crate) mips: Vec<Option<Texture2d<'static>>>,
+    pub(crate) made: Vec<Option<Texture2d<'static>>>,
     /// Texels as encoded pixels, where an unlit surface shows them one by one and there are no more of them than pixels.
     codes: Vec<Option<Texture2d<'static>>>,
 }
 
 impl Chains {
     pub(crate) fn new(scene: &Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let mut read = vec![false; scene.textures.len()];
+        let mut read: Vec<Vec<Filter>> = vec![Vec::new(); scene.textures.len()];
         let backdrop = match &scene.effects.background {
             Some(Background::Picture(slot)) => Some(slot),
             _ => None,
@@ -29,23 +29,36 @@ impl Chains {
             let texture = &scene.textures[slot.texture];
             let filter = settings.filter.unwrap_or(slot.sampler.filter);
             let read = &mut read[slot.texture];
-            if filter.reads_mips() && texture.levels() == 1 && !*read {
-                let (width, height) = (texture.width(), texture.height());
-                // Up to four floats a texel, and a third more for the levels.
+            let bytes = texture.bytes_to_prepare(filter);
+            let alike = |other: &Filter| {
+                (other.reads_mips(), other.reads_summed_area())
+                    == (filter.reads_mips(), filter.reads_summed_area())
+            };
+            if bytes > 0 && !read.iter().any(alike) {
+                let made = match filter.reads_summed_area() {
+                    true => "summed-area table",
+                    false => "mip chain",
+                };
                 settings.memory.ask(
-                    u64::from(width) * u64::from(height) * 16 / 3 * 4,
-                    format_args!("the mip chain of a texture of {width} x {height} texels"),
+                    bytes,
+                    format_args!(
+                        "the {made} of a texture of {} x {} texels",
+                        texture.width(),
+                        texture.height()
+                    ),
                     "take a smaller texture, or a filter that reads one level",
                 )?;
-                *read = true;
+                read.push(filter);
             }
         }
         let textures = scene.textures.par_iter().zip(read);
-        let chains = textures
-            .map(|(texture, read)| read.then(|| texture.clone().with_mips()))
-            .collect();
+        let made = textures.map(|(texture, read)| {
+            let prepared =
+                |texture: Texture2d<'static>, filter: &Filter| texture.prepared_for(*filter);
+            (!read.is_empty()).then(|| read.iter().fold(texture.clone(), prepared))
+        });
         Ok(Self {
-            mips: chains,
+            made: made.collect(),
             codes: codes(scene, settings)?,
         })
     }
@@ -76,10 +89,10 @@ impl Chains {
         Slot::new(texture, Cow::Borrowed(&slot.sampler), slot)
     }
 
-    /// The texture of a slot, with the levels that were built for it.
+    /// The texture of a slot, with all that was built for it.
     fn of(&self, slot: &TextureSlot, scene: &Scene) -> Texture2d<'static> {
         let own = &scene.textures[slot.texture];
-        self.mips[slot.texture].as_ref().unwrap_or(own).clone()
+        self.made[slot.texture].as_ref().unwrap_or(own).clone()
     }
 }
 

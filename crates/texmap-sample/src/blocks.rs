@@ -166,6 +166,7 @@ impl Texture2d<'static> {
                 levels,
                 flip: image.origin == Origin::BottomLeft,
                 opaque,
+                sums: None,
             },
         })
     }

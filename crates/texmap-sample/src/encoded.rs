@@ -5,7 +5,7 @@ use crate::{
     error::SampleError,
     texel_data::{Chain, Format, Level, TexelData, Words, floats},
     texture::{Alpha, ColorSpace, Image, Origin, Texture2d},
-    upload::{choose_format, texel16, upload},
+    upload::{choose_format, rgba, texel16, upload},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
 
@@ -47,17 +47,12 @@ impl EncodedBytes {
     /// Unscaled texel `i`, as [`Format::Rgba16`] would hold it.
     #[inline(always)]
     pub(crate) fn decode(&self, i: usize) -> [f32; 4] {
+        let bytes = &self.bytes[..];
         let texel = match self.channels {
-            1 => [self.bytes[i], self.bytes[i], self.bytes[i], 255],
-            2 => {
-                let [l, a] = self.bytes.as_chunks().0[i];
-                [l, l, l, a]
-            }
-            3 => {
-                let [r, g, b] = self.bytes.as_chunks().0[i];
-                [r, g, b, 255]
-            }
-            _ => self.bytes.as_chunks().0[i],
+            1 => rgba::<1>(bytes.as_chunks().0[i]),
+            2 => rgba::<2>(bytes.as_chunks().0[i]),
+            3 => rgba::<3>(bytes.as_chunks().0[i]),
+            _ => rgba::<4>(bytes.as_chunks().0[i]),
         };
         floats(texel16(texel, self.color, true))
     }
@@ -113,6 +108,7 @@ impl Texture2d<'static> {
                 levels: vec![level],
                 flip: origin == Origin::BottomLeft,
                 opaque,
+                sums: None,
             },
         })
     }

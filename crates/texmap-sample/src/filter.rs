@@ -6,6 +6,7 @@ pub(crate) mod bilinear;
 pub(crate) mod ewa;
 pub(crate) mod gl;
 pub(crate) mod nearest;
+pub(crate) mod summed_area;
 pub(crate) mod trilinear;
 
 use crate::{
@@ -39,6 +40,8 @@ pub enum Kernel {
     Bicubic(Cubic),
     /// All texels of an ellipse.
     Ewa,
+    /// All texels of an upright rectangle.
+    SummedArea,
 }
 
 impl Kernel {
@@ -46,6 +49,7 @@ impl Kernel {
     pub(crate) fn of(filter: Filter) -> Self {
         match filter {
             Filter::Ewa { .. } => return Self::Ewa,
+            Filter::SummedArea => return Self::SummedArea,
             Filter::Bicubic(kernel) => return Self::Bicubic(kernel),
             Filter::Anisotropic(_) => return Self::Anisotropic,
             _ => {}
@@ -61,7 +65,7 @@ impl Kernel {
     /// True if it has a kernel with 8-bit weights.
     #[inline(always)]
     pub(crate) fn has_bytes(self) -> bool {
-        !matches!(self, Self::Bicubic(_) | Self::Ewa)
+        !matches!(self, Self::Bicubic(_) | Self::Ewa | Self::SummedArea)
     }
 
     /// True for the three that need no more than coordinates and a level.
@@ -82,7 +86,8 @@ pub(crate) fn gl_of(filter: Filter) -> (TexelFilter, TexelFilter, Mip) {
         Filter::Nearest => (TexelFilter::Nearest, TexelFilter::Nearest, Mip::None),
         Filter::MipNearest => (TexelFilter::Nearest, TexelFilter::Nearest, Mip::Nearest),
         Filter::BilinearMipNearest => (TexelFilter::Linear, TexelFilter::Linear, Mip::Nearest),
-        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } => {
+        // So is a summed area without its table.
+        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } | Filter::SummedArea => {
             (TexelFilter::Linear, TexelFilter::Linear, Mip::Linear)
         }
         Filter::Gl { mag, min, mip } => (mag, min, mip),
@@ -133,7 +138,7 @@ pub(crate) trait Run {
 /// Runs the kernel of a filter on a format. Probes and ellipses need a footprint; look-ups without one are trilinear.
 #[inline(always)]
 pub(crate) fn run<R: Run>(kind: Kernel, format: u8, has_footprint: bool, run: R) -> R::Out {
-    use Kernel::{Anisotropic, Bicubic, Bilinear, Ewa, Gl, Nearest, Trilinear};
+    use Kernel::{Anisotropic, Bicubic, Bilinear, Ewa, Gl, Nearest, SummedArea, Trilinear};
     let kind = match kind {
         Anisotropic | Ewa if !has_footprint => Trilinear,
         kind => kind,
@@ -152,6 +157,7 @@ pub(crate) fn run<R: Run>(kind: Kernel, format: u8, has_footprint: bool, run: R)
         (_, Anisotropic) => run.color::<anisotropic::Anisotropic>(),
         (_, Bicubic(_)) => run.color::<bicubic::Bicubic>(),
         (_, Ewa) => run.color::<ewa::Ewa>(),
+        (_, SummedArea) => run.color::<summed_area::Rectangle>(),
         (_, Nearest | Bilinear | Trilinear | Gl) => run.color::<gl::Gl>(),
     }
 }

@@ -33,6 +33,7 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     let Chain {
         flip, mut opaque, ..
     } = base;
+    let sums = base.sums.clone();
     let mut words = decoded(base);
     let share = match reduce {
         Reduce::Coverage(threshold) => {
@@ -98,6 +99,7 @@ pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         levels,
         flip,
         opaque,
+        sums,
     }
 }
 
@@ -138,6 +140,7 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         format,
         flip,
         opaque,
+        sums,
         ..
     } = base;
     let mut words = owned(words);
@@ -214,6 +217,7 @@ fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
         levels,
         flip,
         opaque,
+        sums,
     }
 }
 

@@ -39,12 +39,25 @@ pub fn sample_grad(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient) ->
                 f64::from(ratio.clamp(1, 16)),
             )
         }
+        Filter::SummedArea if t.has_summed_area() => {
+            let [ux, vx, uy, vy] = in_texels(t, d);
+            let side = |length: f64| deterministic_f64::exp2(limit(s, log2(length)));
+            rectangle(
+                s,
+                t,
+                uv,
+                [side(ux.abs() + uy.abs()), side(vx.abs() + vy.abs())],
+            )
+        }
         _ => sample_limited(s, t, uv, lod(s, t, d)),
     }
 }
 
 /// [`Sampler::sample_lod`] in f64.
 pub fn sample_lod(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], lod: f64) -> [f64; 4] {
+    if s.filter == Filter::SummedArea && t.has_summed_area() {
+        return rectangle(s, t, uv, [deterministic_f64::exp2(limit(s, lod)); 2]);
+    }
     sample_limited(s, t, uv, limit(s, lod))
 }
 
@@ -75,7 +88,7 @@ fn sample_limited(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], lod: f64) -> [f6
         Filter::BilinearMipNearest => (TexelFilter::Linear, TexelFilter::Linear, Mip::Nearest),
         Filter::Gl { mag, min, mip } => (mag, min, mip),
         Filter::Bicubic(kernel) => return cubic(s, t, uv, kernel),
-        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } => {
+        Filter::Trilinear | Filter::Anisotropic(_) | Filter::Ewa { .. } | Filter::SummedArea => {
             (TexelFilter::Linear, TexelFilter::Linear, Mip::Linear)
         }
     };
@@ -297,6 +310,30 @@ fn ewa(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient, most: f64) -> 
     }
     let b = in_level(fine + 1.0);
     core::array::from_fn(|k| a[k] * (1.0 - (lod - fine)) + b[k] * (lod - fine))
+}
+
+/// The mean of all texels of a rectangle with these sides, each weighted by the part of it that is inside.
+fn rectangle(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], sides: [f64; 2]) -> [f64; 4] {
+    let (chain, level) = (&t.chain, &t.chain.levels[0]);
+    let [columns, rows] = [(level.width, 0), (level.height, 1)].map(|(n, axis)| {
+        let side = sides[axis].clamp(1.0, 1_048_576.0);
+        let low = uv[axis] * f64::from(n) - 0.5 * side;
+        let covered = move |i: i64| {
+            let i = i as f64;
+            ((i + 1.0).min(low + side) - i.max(low)).max(0.0) / side
+        };
+        (floor(low) as i64..=floor(low + side) as i64, covered)
+    });
+    let mut sum = [0.0; 4];
+    for y in rows.0 {
+        for x in columns.0.clone() {
+            let (c, w) = (fetch(s, chain, level, x, y), columns.1(x) * rows.1(y));
+            for k in 0..4 {
+                sum[k] += w * c[k];
+            }
+        }
+    }
+    sum
 }
 
 /// Logarithm of a length; 0 gives a level below any texture's.

@@ -69,6 +69,9 @@ pub enum Filter {
         /// pixel, less is sharper and aliases.
         percent: u8,
     },
+    /// The exact mean over the bounding rectangle of the footprint, each side at least a texel (Crow 1984), from the texture's
+    /// [table](crate::Texture2d::with_summed_area); trilinear on textures without one. Bias and limits of levels hold for each side.
+    SummedArea,
     /// Any of OpenGL's combinations: `mag` where the texture is magnified, else `min` with `mip`.
     Gl {
         /// Texels where one texel covers a pixel or more.
@@ -99,7 +102,14 @@ impl Filter {
     /// True if look-ups leave level 0, so that the texture needs a mip chain.
     #[must_use]
     pub fn reads_mips(self) -> bool {
-        self.reads_derivatives() && !matches!(self, Self::Gl { mip: Mip::None, .. })
+        self.reads_derivatives()
+            && !matches!(self, Self::Gl { mip: Mip::None, .. } | Self::SummedArea)
+    }
+
+    /// True if look-ups read the table of [`Texture2d::with_summed_area`](crate::Texture2d::with_summed_area).
+    #[must_use]
+    pub fn reads_summed_area(self) -> bool {
+        self == Self::SummedArea
     }
 }
 
@@ -166,7 +176,7 @@ impl Sampler {
 
     /// The colour at `uv` with a level of detail of the caller's (bias and limits apply).
     ///
-    /// An anisotropic or EWA filter takes a round footprint of that level.
+    /// An anisotropic or EWA filter takes a round footprint of that level, a summed area a square one.
     pub fn sample_lod(&self, t: &Texture2d<'_>, uv: [f32; 2], lod: f32) -> [f32; 4] {
         filter::sample(self, &t.chain, uv, None, self.limit_lod(lod))
     }
@@ -240,7 +250,7 @@ impl Sampler {
 }
 
 /// `nearest`, `bilinear`, `bicubic:mitchell`, `mip-nearest`, `bilinear-mip-nearest`, `trilinear`,
-/// `anisotropic:16`, `ewa:8`, `ewa:8:0.75` (ratio and width).
+/// `anisotropic:16`, `ewa:8`, `ewa:8:0.75` (ratio and width), `summed-area`.
 impl FromStr for Filter {
     type Err = &'static str;
 
@@ -259,6 +269,7 @@ impl FromStr for Filter {
             ("mip-nearest", None) => Ok(Self::MipNearest),
             ("bilinear-mip-nearest", None) => Ok(Self::BilinearMipNearest),
             ("trilinear", None) => Ok(Self::Trilinear),
+            ("summed-area", None) => Ok(Self::SummedArea),
             ("bicubic", None | Some("catmull-rom")) => Ok(Self::Bicubic(Cubic::CatmullRom)),
             ("bicubic", Some("mitchell")) => Ok(Self::Bicubic(Cubic::Mitchell)),
             ("bicubic", Some("b-spline")) => Ok(Self::Bicubic(Cubic::BSpline)),
@@ -275,7 +286,8 @@ impl FromStr for Filter {
             }
             _ => Err(
                 "know nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
-                      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:0.25..2]",
+                      bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:0.25..2], \
+                      summed-area",
             ),
         }
     }

@@ -33,6 +33,7 @@ impl Texture2d<'_> {
                 levels: vec![texel_data::Level { offset: 0, ..base }],
                 flip: self.chain.flip,
                 opaque: true,
+                sums: None,
             },
         })
     }

@@ -1,6 +1,6 @@
 //! Memory layout of texels: one allocation of 32-bit words for all levels and layers.
 
-use crate::{blocks::block_order, encoded::Encoded};
+use crate::{blocks::block_order, encoded::Encoded, filter::summed_area::SummedArea};
 use alloc::{sync::Arc, vec::Vec};
 
 /// Texels as they come from a decoder: rows top to bottom, channels together.
@@ -205,6 +205,8 @@ pub(crate) struct Chain<'a> {
     pub(crate) flip: bool,
     /// Every alpha is one.
     pub(crate) opaque: bool,
+    /// Sums of level 0, once a filter reads them.
+    pub(crate) sums: Option<Arc<SummedArea>>,
 }
 
 impl Chain<'_> {

@@ -1,6 +1,7 @@
 use crate::{
     error::SampleError,
     mip,
+    sampler::Filter,
     texel_data::{Chain, Format, Level, TexelData, Words, scaled},
     upload::upload,
 };
@@ -196,6 +197,7 @@ impl<'a> Texture2d<'a> {
             levels: vec![level],
             flip: origin == Origin::BottomLeft,
             opaque: format != Format::Rgba8 || words.iter().all(|w| w >> 24 == 255),
+            sums: None,
         };
         Ok(Self { chain })
     }
@@ -226,6 +228,33 @@ impl<'a> Texture2d<'a> {
         Texture2d {
             chain: mip::build(self.chain, mip::Reduce::Coverage(threshold)),
         }
+    }
+
+    /// The same texture with all that look-ups by a filter read: its mip chain, its summed-area table, or nothing more.
+    #[must_use]
+    pub fn prepared_for(self, filter: Filter) -> Texture2d<'static>
+    where
+        'a: 'static,
+    {
+        let made = match filter.reads_mips() && self.levels() == 1 {
+            true => self.with_mips(),
+            false => self,
+        };
+        match filter.reads_summed_area() {
+            true => made.with_summed_area(),
+            false => made,
+        }
+    }
+
+    /// Bytes that [`prepared_for`](Self::prepared_for) adds at most.
+    #[must_use]
+    pub fn bytes_to_prepare(&self, filter: Filter) -> u64 {
+        let (width, height) = (u64::from(self.width()), u64::from(self.height()));
+        // Up to four floats a texel, and a third more for the levels; four f64 a sum.
+        let mips = width * height * 16 / 3 * 4;
+        let sums = (width + 1) * (height + 1) * 32;
+        u64::from(filter.reads_mips() && self.levels() == 1) * mips
+            + u64::from(filter.reads_summed_area() && !self.has_summed_area()) * sums
     }
 
     /// The same texels with `v = 0` on the other row. Costs nothing.

@@ -35,6 +35,7 @@ pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, Sa
         levels: vec![level],
         flip: image.origin == Origin::BottomLeft,
         opaque,
+        sums: None,
     })
 }
 
@@ -48,11 +49,11 @@ fn push_bytes(image: &Image<'_>, bytes: &[u8], format: Format, words: &mut Vec<u
         opaque: true,
     };
     match (image.channels, image.alpha) {
-        (1, _) => to.push_all(bytes, |[x]| [x, x, x, 255]),
         (2, Alpha::Data) => to.push_all(bytes, |[x, y]| [x, y, 0, 255]),
-        (2, _) => to.push_all(bytes, |[x, a]| [x, x, x, a]),
-        (3, _) => to.push_all(bytes, |[r, g, b]| [r, g, b, 255]),
-        _ => to.push_all(bytes, |texel| texel),
+        (1, _) => to.push_all(bytes, rgba::<1>),
+        (2, _) => to.push_all(bytes, rgba::<2>),
+        (3, _) => to.push_all(bytes, rgba::<3>),
+        _ => to.push_all(bytes, rgba::<4>),
     }
     to.opaque
 }
@@ -90,6 +91,18 @@ impl Pushed<'_> {
             self.words.extend(words);
         }
         self.opaque = least == 255;
+    }
+}
+
+/// Red to alpha of a texel of 1 to 4 channels: one is grey, the second of two is opacity.
+#[inline(always)]
+pub(crate) fn rgba<const N: usize>(texel: [u8; N]) -> [u8; 4] {
+    match texel[..] {
+        [x] => [x, x, x, 255],
+        [x, a] => [x, x, x, a],
+        [r, g, b] => [r, g, b, 255],
+        [r, g, b, a, ..] => [r, g, b, a],
+        [] => [0; 4],
     }
 }
 

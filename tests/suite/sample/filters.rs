@@ -24,7 +24,9 @@ fn a_constant_texture_stays_constant() {
     for (width, height) in SIZES {
         let value = [0.2, 0.7, 1.0 / 3.0, 0.9];
         let texels: Vec<f32> = (0..width * height).flat_map(|_| value).collect();
-        let t = float_texture(width, height, 4, &texels).with_mips();
+        let t = float_texture(width, height, 4, &texels)
+            .with_mips()
+            .with_summed_area();
         for filter in filters() {
             for precision in [Precision::Exact, Precision::Fast] {
                 let s = Sampler {
@@ -58,7 +60,8 @@ fn a_constant_byte_texture_stays_constant_in_bytes() {
         let texels = [value, 255 - value, 128, 255].repeat(7 * 5);
         let t = Texture2d::from_rgba8(7, 5, texels, ColorSpace::Linear, Origin::TopLeft)
             .unwrap()
-            .with_mips();
+            .with_mips()
+            .with_summed_area();
         for filter in filters() {
             let s = Sampler {
                 filter,
@@ -175,8 +178,12 @@ fn nearest_and_bilinear_agree_on_constants_only() {
 fn filters_follow_their_definitions() {
     for (width, height) in SIZES {
         for t in [
-            random_floats(width, height, 12).with_mips(),
-            random_bytes(width, height, 13).with_mips(),
+            random_floats(width, height, 12)
+                .with_mips()
+                .with_summed_area(),
+            random_bytes(width, height, 13)
+                .with_mips()
+                .with_summed_area(),
         ] {
             for filter in filters() {
                 for wrap in WRAPS {
@@ -214,6 +221,8 @@ pub(crate) fn bound(filter: Filter) -> f64 {
             4e-5
         }
         Filter::Bicubic(_) => 8e-5,
+        // Sides are rounded to 2^-24 of themselves, twice at most; the mean and its scale once each.
+        Filter::SummedArea => 1e-6,
         // The weight table has 128 steps.
         Filter::Ewa { .. } => 6e-3,
         _ => 1e-4,

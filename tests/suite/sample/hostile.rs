@@ -140,7 +140,7 @@ fn any_texture(random: &mut Random, texels: &[f32]) -> Texture2d<'static> {
             let threshold = pick(random, &[0.5, 0.0, -1.0, 1.5, f32::NAN, f32::INFINITY]);
             t.with_coverage_mips(threshold)
         }
-        _ => t.with_mips(),
+        _ => t.with_mips().with_summed_area(),
     }
 }
 
@@ -260,11 +260,13 @@ fn hostile_fields_mean_what_the_definition_says() {
     let (mut wrong, mut total) = (0, 0);
     for _ in 0..1200 {
         let width = 1 + random.word() % 40;
-        let t = random_floats(width, 1 + random.word() % 40, 5).with_mips();
+        let t = random_floats(width, 1 + random.word() % 40, 5)
+            .with_mips()
+            .with_summed_area();
         let mut s = any_sampler(&mut random);
         s.precision = Precision::Exact;
-        // Ellipses on levels far from theirs are larger than what is read of them.
-        if let Filter::Ewa { .. } = s.filter {
+        // Ellipses and rectangles on levels far from theirs are larger than what is read of them.
+        if let Filter::Ewa { .. } | Filter::SummedArea = s.filter {
             s.lod = Lod::default();
         }
         // A border of 2^100 is finite, and no more than that can be said of its neighbours' weights.
@@ -287,7 +289,7 @@ fn hostile_fields_mean_what_the_definition_says() {
 /// The three that were found first.
 #[test]
 fn limits_of_nan_limit_nothing() {
-    let t = random_floats(8, 8, 3).with_mips();
+    let t = random_floats(8, 8, 3).with_mips().with_summed_area();
     let d = Footprint::new(0.5, 0.0, 0.0, 0.5);
     let plain = Sampler::default();
     for filter in filters() {

@@ -170,6 +170,7 @@ fn slices_equal_single_samples_on_every_level() {
     let n = places.u.len();
     let mut out = vec![[0.0; 4]; n];
     for (name, t) in textures() {
+        let t = t.with_summed_area();
         for (k, filter) in filters().into_iter().enumerate() {
             for (j, wrap) in WRAPS.into_iter().enumerate() {
                 for precision in [Precision::Exact, Precision::Fast] {
@@ -278,7 +279,7 @@ fn slices_of_different_lengths_are_refused() {
 /// Fast stays within what 8-bit weights allow of Exact on bytes.
 #[test]
 fn fast_stays_near_exact() {
-    let t = random_bytes(64, 64, 2).with_mips();
+    let t = random_bytes(64, 64, 2).with_mips().with_summed_area();
     let mut random = Random::new(6);
     for (filter, bound) in [
         (Filter::Nearest, 0.0),
@@ -485,7 +486,7 @@ fn stages_give_the_bits_of_single_samples_on_every_level_and_width() {
     ];
     let mut out = vec![0; places.u.len() / 16 * 16];
     for t in [random_bytes(64, 32, 3), random_bytes(63, 57, 4)] {
-        let t = t.with_mips();
+        let t = t.with_mips().with_summed_area();
         for filter in [
             Filter::Nearest,
             Filter::Bilinear,

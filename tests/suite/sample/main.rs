@@ -12,6 +12,7 @@ mod light;
 mod plane;
 mod resampling;
 mod shapes;
+mod summed_area;
 mod support;
 mod volumes;
 mod wraps;

@@ -4,8 +4,8 @@
 use crate::support::{Random, WRAPS, float_texture, random_bytes, random_floats};
 use texmap_math::Footprint;
 use texmap_sample::{
-    Alpha, AtlasRect, ColorSpace, Compare, Filter, Image, Origin, Sampler, SummedArea, TexelData,
-    Texture1d, Texture3d, TextureCube, Wrap, cube_direction, cube_face,
+    Alpha, AtlasRect, ColorSpace, Compare, Filter, Image, Origin, Sampler, TexelData, Texture1d,
+    Texture3d, TextureCube, Wrap, cube_direction, cube_face,
 };
 
 fn floats<'a>(width: u32, height: u32, channels: u32, texels: &'a [f32]) -> Image<'a> {
@@ -304,52 +304,6 @@ fn shadows_compare_before_they_filter() {
         s.sample_compare(&t, [0.5, 0.5], f32::NAN, Compare::LessEqual),
         0.0
     );
-}
-
-/// The table's mean equals a sum over texels with their overlaps, across the wrap too.
-#[test]
-fn summed_areas_are_exact_means() {
-    let (w, h) = (7_u32, 5);
-    let t = random_floats(w, h, 2);
-    let table = SummedArea::new(&t);
-    let s = Sampler::default();
-    let mut random = Random::new(3);
-    for _ in 0..300 {
-        let uv = [random.range(-1.0, 2.0), random.range(-1.0, 2.0)];
-        let (du, dv) = (random.range(0.0, 2.5), random.range(0.0, 2.5));
-        let got = table.sample_grad(&s, uv, Footprint::new(du, 0.0, 0.0, dv));
-        let (lx, ly) = (
-            (f64::from(du) * 7.0).max(1.0),
-            (f64::from(dv) * 5.0).max(1.0),
-        );
-        let (x0, y0) = (
-            f64::from(uv[0]) * 7.0 - lx / 2.0,
-            f64::from(uv[1]) * 5.0 - ly / 2.0,
-        );
-        let mut want = [0.0; 4];
-        for j in y0.floor() as i64..=(y0 + ly).floor() as i64 {
-            for i in x0.floor() as i64..=(x0 + lx).floor() as i64 {
-                let ox = ((i + 1) as f64).min(x0 + lx) - (i as f64).max(x0);
-                let oy = ((j + 1) as f64).min(y0 + ly) - (j as f64).max(y0);
-                let c = t
-                    .texel(0, i.rem_euclid(7) as u32, j.rem_euclid(5) as u32)
-                    .unwrap();
-                for k in 0..4 {
-                    want[k] += ox.max(0.0) * oy.max(0.0) * f64::from(c[k]) / (lx * ly);
-                }
-            }
-        }
-        for k in 0..4 {
-            assert!(
-                (f64::from(got[k]) - want[k]).abs() < 1e-5,
-                "{uv:?} {du} {dv} {got:?} {want:?}"
-            );
-        }
-    }
-    for bad in [f32::NAN, f32::INFINITY, 1e30] {
-        let c = table.sample_grad(&s, [bad, bad], Footprint::new(bad, bad, bad, bad));
-        assert!(c.iter().all(|c| (-0.01..=1.01).contains(c)), "{c:?}");
-    }
 }
 
 /// E6. Nothing of the neighbours shows inside a rectangle with a gutter, at the levels used.

@@ -27,6 +27,7 @@ pub(crate) fn filters() -> Vec<Filter> {
         Filter::Anisotropic(16),
         Filter::ewa(4),
         Filter::ewa(16),
+        Filter::SummedArea,
     ];
     for mag in [TexelFilter::Nearest, TexelFilter::Linear] {
         for min in [TexelFilter::Nearest, TexelFilter::Linear] {

@@ -244,7 +244,9 @@ fn no_coordinate_or_derivative_breaks_a_filter() {
         16_777_216.0,
     ];
     for (width, height) in [(5, 3), (1, 1), (1, 8), (64, 64)] {
-        let t = random_floats(width, height, 1).with_mips();
+        let t = random_floats(width, height, 1)
+            .with_mips()
+            .with_summed_area();
         for filter in filters() {
             for wrap in WRAPS {
                 let s = Sampler {

@@ -39,7 +39,7 @@ pub(crate) struct SampleArgs {
     #[arg(long, value_name = "LEVEL", allow_hyphen_values = true)]
     lod: Option<f32>,
     /// nearest, bilinear, bicubic:mitchell, mip-nearest, bilinear-mip-nearest, trilinear, anisotropic:16, ewa:8,
-    /// ewa:8:0.75
+    /// ewa:8:0.75, summed-area
     #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "trilinear")]
     filter: Filter,
     /// repeat, mirrored-repeat, clamp-to-edge, clamp-to-border (transparent), mirror-clamp-to-edge
@@ -81,7 +81,12 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
         ));
     }
     let (texture, channels) = read(args)?;
-    let texture = texture.with_mips();
+    MemoryBudget::of_process().ask(
+        texture.bytes_to_prepare(args.filter),
+        format_args!("what the filter reads of the image"),
+        "take a smaller image, or a filter that reads one level",
+    )?;
+    let texture = texture.with_mips().prepared_for(args.filter);
     let sampler = Sampler {
         filter: args.filter,
         wrap_u: args.wrap,

@@ -10,7 +10,7 @@ use std::thread;
 use clap::Args;
 use texmap_io::{Lost, PictureFormat, PixelCode, image_io, write_pixels};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
-use texmap_math::{Homography, Level, deterministic_f64};
+use texmap_math::{Homography, Level, MemoryBudget, deterministic_f64};
 use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample, Texture2d};
 use texmap_scene::ColorMode;
 
@@ -62,7 +62,8 @@ pub(crate) struct WarpArgs {
     /// Behaviour outside the image: transparent, border (black), edge or repeat
     #[arg(long, value_name = "WHAT", default_value = "transparent")]
     outside: Beyond,
-    /// Texture filter: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8, ewa:8:0.75
+    /// Texture filter: nearest, bilinear, bicubic:mitchell, trilinear, anisotropic:16, ewa:8, ewa:8:0.75,
+    /// summed-area
     #[arg(long, value_name = "METHOD", value_parser = values::filter, default_value = "anisotropic:16")]
     filter: Filter,
     /// Write each texel to the pixel that it falls into, as the earliest programs did, and count overdraw and holes: what is wrong with it
@@ -157,11 +158,12 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
         let made = forward::forward(&texture, &map, (width, height));
         return write_forward(args, (main, format, bits), made, (width, height));
     }
-    let texture = if args.filter.reads_mips() {
-        texture.with_mips()
-    } else {
-        texture
-    };
+    MemoryBudget::of_process().ask(
+        texture.bytes_to_prepare(args.filter),
+        format_args!("what the filter reads of the image"),
+        "take a smaller image, or a filter that reads one level",
+    )?;
+    let texture = texture.prepared_for(args.filter);
     let outside = match args.outside {
         Beyond::Transparent => EdgeMode::Transparent,
         Beyond::Border => EdgeMode::Border([0.0, 0.0, 0.0, 1.0]),

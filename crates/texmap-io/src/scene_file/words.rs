@@ -8,7 +8,7 @@ use texmap_sample::{Cubic, Filter, Wrap};
 
 /// Allowed words of `filter`.
 pub const FILTERS: &str = "nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, \
-     bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:0.25..2]";
+     bilinear-mip-nearest, trilinear, anisotropic:2..16, ewa:1..16[:0.25..2], summed-area";
 /// Allowed words of `wrap`.
 pub const WRAPS: &str =
     "repeat, mirrored-repeat, clamp-to-edge, clamp-to-border, mirror-clamp-to-edge";
@@ -26,6 +26,7 @@ pub fn filter(filter: Filter) -> Option<String> {
         Filter::MipNearest => "mip-nearest".into(),
         Filter::BilinearMipNearest => "bilinear-mip-nearest".into(),
         Filter::Trilinear => "trilinear".into(),
+        Filter::SummedArea => "summed-area".into(),
         Filter::Anisotropic(n) => format!("anisotropic:{n}"),
         Filter::Ewa {
             ratio,
@@ -98,6 +99,7 @@ mod tests {
             "ewa:8",
             "ewa:16:0.75",
             "ewa:4:1.2",
+            "summed-area",
         ] {
             let read: Filter = text.parse().unwrap();
             assert_eq!(filter(read).as_deref(), Some(text));

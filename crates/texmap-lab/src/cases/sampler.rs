@@ -242,7 +242,9 @@ pub(super) fn s5() -> Result<Vec<Measurement>, LabError> {
 pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
     let mut random = Random(10);
     let value = 0.3f32;
-    let float = floats(37, 1, &[value; 37 * 19])?.with_mips();
+    let float = floats(37, 1, &[value; 37 * 19])?
+        .with_mips()
+        .with_summed_area();
     let bytes = Texture2d::from_rgba8(
         37,
         19,
@@ -250,7 +252,7 @@ pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
         ColorSpace::Linear,
         Origin::TopLeft,
     )?;
-    let bytes = bytes.with_mips();
+    let bytes = bytes.with_mips().with_summed_area();
     let filters = [
         Filter::Nearest,
         Filter::Bilinear,
@@ -261,6 +263,7 @@ pub(super) fn s10() -> Result<Vec<Measurement>, LabError> {
         Filter::Trilinear,
         Filter::Anisotropic(16),
         Filter::ewa(8),
+        Filter::SummedArea,
     ];
     let (mut ulps, mut codes, mut truncated) = (0.0f64, 0u32, 0u32);
     for filter in filters {

@@ -2,8 +2,8 @@
 
 use texmap_math::{Footprint, Level};
 use texmap_sample::{
-    ColorSpace, Cubic, Filter, Origin, Precision, Sampler, SummedArea, Texture2d,
-    sample_rgba8_slice, sample_slice,
+    ColorSpace, Cubic, Filter, Origin, Precision, Sampler, Texture2d, sample_rgba8_slice,
+    sample_slice,
 };
 
 use super::time::{Effort, timed};
@@ -16,7 +16,6 @@ use crate::plane::{Pattern, TEXELS};
 #[derive(Clone, Debug, PartialEq)]
 enum Method {
     Sampler(Filter, Precision),
-    SummedArea,
     /// The mean of so many bilinear look-ups a side of the pixel's footprint.
     Supersampled(u32),
 }
@@ -32,7 +31,6 @@ impl Method {
                     Precision::Fast => format!("{name}, fast"),
                 }
             }
-            Self::SummedArea => "summed-area".to_owned(),
             Self::Supersampled(n) => format!("bilinear x{}", n * n),
         }
     }
@@ -61,7 +59,7 @@ fn methods(magnified: bool) -> Vec<Method> {
         out.push(Method::Sampler(filter, Precision::Exact));
         out.push(Method::Sampler(filter, Precision::Fast));
     }
-    for filter in [Filter::ewa(4), Filter::ewa(16)] {
+    for filter in [Filter::ewa(4), Filter::ewa(16), Filter::SummedArea] {
         out.push(Method::Sampler(filter, Precision::Exact));
     }
     if magnified {
@@ -69,14 +67,13 @@ fn methods(magnified: bool) -> Vec<Method> {
             out.push(Method::Sampler(Filter::Bicubic(cubic), Precision::Exact));
         }
     }
-    out.push(Method::SummedArea);
     out.extend([2, 4, 8].map(Method::Supersampled));
     out
 }
 
 pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
     let mut charts: Vec<SceneChart> = Vec::new();
-    // Results of the methods on the patterns, which a Gaussian pixel judges anew.
+    // Results of the methods on the patterns, which a Gaussian pixel judges again.
     let mut given: Vec<(Pattern, Vec<Vec<f64>>)> = Vec::new();
     for scene in PlaneScene::all(effort.grid) {
         let again = given
@@ -125,7 +122,6 @@ pub(super) fn panel(effort: Effort) -> Result<Panel, LabError> {
 struct Scene<'p> {
     of: &'p PlaneScene,
     texture: Texture2d<'static>,
-    table: SummedArea,
     u: Vec<f32>,
     v: Vec<f32>,
     footprints: Vec<Footprint>,
@@ -143,9 +139,9 @@ impl<'p> Scene<'p> {
         let rgba = of.pattern.rgba();
         let plane = &of.plane;
         let texture = Texture2d::from_rgba8(side, side, rgba, ColorSpace::Linear, Origin::TopLeft)?
-            .with_mips();
+            .with_mips()
+            .with_summed_area();
         Ok(Self {
-            table: SummedArea::new(&texture),
             texture,
             u: plane.places().map(|p| p.2[0] as f32).collect(),
             v: plane.places().map(|p| p.2[1] as f32).collect(),
@@ -220,13 +216,6 @@ impl<'p> Scene<'p> {
                     }
                 }
             }
-            Method::SummedArea => {
-                let sampler = Sampler::default();
-                for (i, out) in out.floats.iter_mut().enumerate() {
-                    let uv = [self.u[i], self.v[i]];
-                    *out = self.table.sample_grad(&sampler, uv, self.footprints[i]);
-                }
-            }
             Method::Supersampled(n) => self.supersample(n, &mut out.floats)?,
         }
         Ok(())
@@ -278,7 +267,6 @@ impl<'p> Scene<'p> {
                             ..Sampler::default()
                         }
                         .sample_grad(&self.texture, uv, d),
-                        Method::SummedArea => self.table.sample_grad(&Sampler::default(), uv, d),
                         Method::Supersampled(_) => Sampler {
                             filter: Filter::Bilinear,
                             ..Sampler::default()

@@ -12,7 +12,7 @@ use crate::LabError;
 use texmap_truth::picture::Picture;
 use texmap_truth::strip::difference;
 
-const FILTERS: [Filter; 9] = [
+const FILTERS: [Filter; 10] = [
     Filter::Nearest,
     Filter::Bilinear,
     Filter::MipNearest,
@@ -21,6 +21,7 @@ const FILTERS: [Filter; 9] = [
     Filter::Anisotropic(4),
     Filter::Anisotropic(16),
     Filter::ewa(8),
+    Filter::SummedArea,
     Filter::Gl {
         mag: texmap_sample::TexelFilter::Nearest,
         min: texmap_sample::TexelFilter::Linear,

@@ -125,7 +125,7 @@ def sample(
     duv : (..., 2, 2) or (..., 4) float32: du/dx, du/dy, dv/dx, dv/dy, the change of uv per pixel. Without it filters that choose a
         level take level 0.
     filter : nearest, bilinear, bicubic:catmull-rom|mitchell|b-spline, mip-nearest, bilinear-mip-nearest, trilinear, anisotropic:2..16,
-        ewa:1..16[:0.25..2]. Default: trilinear with ``duv``, else bilinear.
+        ewa:1..16[:0.25..2], summed-area. Default: trilinear with ``duv``, else bilinear.
     wrap : repeat, mirrored-repeat, clamp-to-edge, clamp-to-border, mirror-clamp-to-edge, or a pair of them for u and v.
     border : colour of clamp-to-border, linear, premultiplied.
     lod_bias, lod_min, lod_max : shift and limits of the level of detail.

@@ -14,7 +14,7 @@ pub(super) struct Place {
     pub(super) dy: DVec2,
 }
 
-/// The textures of a scene, each with its mip levels once some slot reads it.
+/// The textures of a scene, each with its mip levels, and with its sums, once some slot reads it.
 pub(super) struct Textures<'s> {
     scene: &'s Scene,
     ready: Vec<Option<Texture2d<'static>>>,
@@ -36,11 +36,17 @@ impl<'s> Textures<'s> {
         ready.get_or_insert_with(build).clone()
     }
 
+    fn read_by(&mut self, slot: &TextureSlot) -> Texture2d<'static> {
+        let made = self.get(slot.texture).prepared_for(slot.sampler.filter);
+        self.ready[slot.texture] = Some(made.clone());
+        made
+    }
+
     /// A slot whose v = 0 lies where `origin` says.
     pub(super) fn slot(&mut self, slot: &'s TextureSlot, origin: Origin) -> Slot<'s> {
         Slot {
             sampler: &slot.sampler,
-            texture: self.get(slot.texture).with_origin(origin),
+            texture: self.read_by(slot).with_origin(origin),
             rows: slot.transform.rows().map(|row| row.map(f64::from)),
             uv_set: slot.uv_set,
         }

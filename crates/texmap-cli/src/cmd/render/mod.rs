@@ -57,7 +57,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "METHOD", value_parser = values::interp)]
     interp: Option<Interp>,
     /// Texture filter instead of the scene's: nearest, bilinear, bicubic:mitchell, mip-nearest,
-    /// bilinear-mip-nearest, trilinear, anisotropic:16, ewa:16, ewa:16:0.75
+    /// bilinear-mip-nearest, trilinear, anisotropic:16, ewa:16, ewa:16:0.75, summed-area
     #[arg(long, value_name = "METHOD", value_parser = values::filter)]
     filter: Option<Filter>,
     /// Wrap in both directions instead of the scene's: repeat, mirrored-repeat, clamp-to-edge,

@@ -77,7 +77,7 @@ pub(super) const SPECS: &[Spec] = &[
             |text| text.parse::<Filter>().is_ok(),
         )],
         default: "trilinear",
-        help: "`nearest`, `bilinear`, `bicubic:catmull-rom`, `bicubic:mitchell`, `bicubic:b-spline`, `mip-nearest`, `bilinear-mip-nearest`, `trilinear`, `anisotropic:N` (2 to 16), `ewa:N` (1 to 16), `ewa:N:WIDTH` (0.25 to 2, 1 if left out: the width of the pixel's Gaussian)",
+        help: "`nearest`, `bilinear`, `bicubic:catmull-rom`, `bicubic:mitchell`, `bicubic:b-spline`, `mip-nearest`, `bilinear-mip-nearest`, `trilinear`, `anisotropic:N` (2 to 16), `ewa:N` (1 to 16), `ewa:N:WIDTH` (0.25 to 2, 1 if left out: the width of the pixel's Gaussian), `summed-area` (the exact mean of the upright rectangle about a pixel; 32 bytes a texel)",
         set: Plain(|b, line| b.settings.filter = line.parsed()),
     },
     Spec {
