@@ -22,6 +22,7 @@ mod sampler;
 mod shading;
 mod shadows;
 mod shapes;
+mod summed_area;
 mod table;
 mod uv;
 mod volume;
@@ -183,6 +184,7 @@ const RUNNERS: &[(&str, Runner)] = &[
     ("S8", footprint::s8),
     ("S9", footprint::s9),
     ("S10", sampler::s10),
+    ("S11", summed_area::s11),
     ("U1", uv::u1),
     ("U2", uv::u2),
     ("U3", uv::u3),
