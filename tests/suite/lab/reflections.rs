@@ -1,7 +1,7 @@
 //! Environments captured from a point of a scene, and mirrors that lead their rays to the walls of a box.
 
 use texmap_bake::{capture_environment, capture_environment_at, center_of, with_planar_mirror};
-use texmap_light::{Light, ReflectionBox};
+use texmap_light::{Environment, Light, ReflectionBox};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_render::{RenderSettings, no_progress, render};
@@ -64,6 +64,56 @@ fn room() -> Scene {
     scene
 }
 
+/// A surface that shows nothing but what it mirrors.
+fn black(reflection: Option<Reflection>) -> Material {
+    Material {
+        phong: texmap_light::PhongMaterial {
+            color: [0.0; 3],
+            ..Default::default()
+        },
+        reflection,
+        ..Material::default()
+    }
+}
+
+/// A mirror of the first environment.
+fn mirror(reflectivity: f32, within: Option<ReflectionBox>) -> Option<Reflection> {
+    Some(Reflection {
+        environment: 0,
+        reflectivity,
+        within,
+    })
+}
+
+/// Puts a ball away from the middle of the room that mirrors what a point beside it sees, led to the walls. Gives the walls.
+fn add_ball(
+    scene: &mut Scene,
+    reflectivity: f32,
+    (around, up): (u32, u32),
+    seen: impl Fn(&Scene, DVec3) -> Environment,
+) -> ReflectionBox {
+    let center = [0.0, 0.2, -0.1];
+    let environment = seen(scene, DVec3::from(center.map(f64::from)));
+    scene.effects.environments.push(environment);
+    let walls = ReflectionBox {
+        low: [-HALF; 3],
+        high: [HALF; 3],
+        center,
+    };
+    scene
+        .materials
+        .push(black(mirror(reflectivity, Some(walls))));
+    let mut ball = Mesh::sphere(around, up);
+    ball.world_from_object = texmap_math::glam::DMat4::from_scale_rotation_translation(
+        DVec3::splat(0.5),
+        Default::default(),
+        DVec3::new(0.9, -0.2, 0.1),
+    );
+    ball.material = scene.materials.len() - 1;
+    scene.meshes.push(ball);
+    walls
+}
+
 #[test]
 fn a_point_sees_the_walls_in_linear_light() {
     let scene = room();
@@ -118,37 +168,9 @@ fn led_mirrors_show_what_rays_meet() {
             emission.color = emission.color.map(|c| c.min(0.9));
         }
     }
-    let center = [0.0, 0.2, -0.1];
-    let seen = capture_environment_at(&scene, DVec3::from(center.map(f64::from)), &[], 256);
-    scene.effects.environments.push(seen.unwrap());
-    let walls = ReflectionBox {
-        low: [-HALF; 3],
-        high: [HALF; 3],
-        center,
-    };
-    let reflection = |within| {
-        Some(Reflection {
-            environment: 0,
-            reflectivity: 1.0,
-            within,
-        })
-    };
-    scene.materials.push(Material {
-        phong: texmap_light::PhongMaterial {
-            color: [0.0; 3],
-            ..Default::default()
-        },
-        reflection: reflection(Some(walls)),
-        ..Material::default()
+    add_ball(&mut scene, 1.0, (32, 16), |scene, center| {
+        capture_environment_at(scene, center, &[], 256).unwrap()
     });
-    let mut ball = Mesh::sphere(32, 16);
-    ball.world_from_object = texmap_math::glam::DMat4::from_scale_rotation_translation(
-        DVec3::splat(0.5),
-        Default::default(),
-        DVec3::new(0.9, -0.2, 0.1),
-    );
-    ball.material = 6;
-    scene.meshes.push(ball);
     let size = (64, 48);
     let traced = frame_by_rays(&scene, size.0, size.1, 1).unwrap();
     let differing = |scene: &Scene| {
@@ -158,7 +180,7 @@ fn led_mirrors_show_what_rays_meet() {
     };
     // Walls of one colour each differ at their edges alone.
     let led = differing(&scene);
-    scene.materials[6].reflection = reflection(None);
+    scene.materials[6].reflection = mirror(1.0, None);
     let far = differing(&scene);
     assert!(led * 5 < far && far > 300, "{led} {far}");
     let plain = frame(&room(), size.0, size.1, 1).unwrap();
@@ -174,35 +196,10 @@ fn led_mirrors_show_what_rays_meet() {
 #[test]
 fn led_mirrors_are_those_of_the_reference() {
     let mut scene = room();
-    let center = [0.0, 0.2, -0.1];
-    let environment =
-        capture_environment_at(&scene, DVec3::from(center.map(f64::from)), &[], 64).unwrap();
-    scene.effects.environments.push(environment.with_mips());
-    let walls = ReflectionBox {
-        low: [-HALF; 3],
-        high: [HALF; 3],
-        center,
-    };
-    scene.materials.push(Material {
-        phong: texmap_light::PhongMaterial {
-            color: [0.0; 3],
-            ..Default::default()
-        },
-        reflection: Some(Reflection {
-            environment: 0,
-            reflectivity: 0.8,
-            within: Some(walls),
-        }),
-        ..Material::default()
+    let walls = add_ball(&mut scene, 0.8, (24, 12), |scene, center| {
+        let seen = capture_environment_at(scene, center, &[], 64).unwrap();
+        seen.with_mips()
     });
-    let mut ball = Mesh::sphere(24, 12);
-    ball.world_from_object = texmap_math::glam::DMat4::from_scale_rotation_translation(
-        DVec3::splat(0.5),
-        Default::default(),
-        DVec3::new(0.9, -0.2, 0.1),
-    );
-    ball.material = 6;
-    scene.meshes.push(ball);
     let settings = RenderSettings::new(96, 72);
     let drawn = render(&scene, &settings, &no_progress).unwrap();
     let truth = frame(&scene, 96, 72, 1).unwrap();
@@ -219,11 +216,7 @@ fn led_mirrors_are_those_of_the_reference() {
         }
     }
     assert!(over < 8, "{over} values");
-    scene.materials[6].reflection = Some(Reflection {
-        environment: 0,
-        reflectivity: 0.8,
-        within: None,
-    });
+    scene.materials[6].reflection = mirror(0.8, None);
     let far = render(&scene, &settings, &no_progress).unwrap();
     let differ = far
         .rgba
@@ -236,11 +229,7 @@ fn led_mirrors_are_those_of_the_reference() {
         center: [3.0, 0.0, 0.0],
         ..walls
     };
-    scene.materials[6].reflection = Some(Reflection {
-        environment: 0,
-        reflectivity: 0.8,
-        within: Some(outside),
-    });
+    scene.materials[6].reflection = mirror(0.8, Some(outside));
     let error = scene.check().unwrap_err().to_string();
     assert!(error.contains("box of the reflection"), "{error}");
 }
@@ -254,14 +243,6 @@ fn flat_mirrors_show_what_rays_meet() {
             emission.color = emission.color.map(|c| c.min(0.9));
         }
     }
-    let black = |reflection| Material {
-        phong: texmap_light::PhongMaterial {
-            color: [0.0; 3],
-            ..Default::default()
-        },
-        reflection,
-        ..Material::default()
-    };
     scene.materials.push(black(None));
     scene.camera.eye = DVec3::new(-1.2, 0.3, 1.2);
     scene.camera.look = DVec3::new(1.0, -0.1, 0.2);
@@ -306,11 +287,7 @@ fn flat_mirrors_show_what_rays_meet() {
     // The reference: the same mesh as a mirror of an environment, traced.
     let sky = capture_environment_at(&scene, DVec3::ZERO, &[], 4).unwrap();
     scene.effects.environments.push(sky);
-    scene.materials[6] = black(Some(Reflection {
-        environment: 0,
-        reflectivity: 1.0,
-        within: None,
-    }));
+    scene.materials[6] = black(mirror(1.0, None));
     let truth = frame_by_rays(&scene, size.0, size.1, 1).unwrap();
     let codes = truth.codes();
     let (mut mirror_pixels, mut off) = (0, 0);
