@@ -1,6 +1,6 @@
 //! Pinned pictures: the hash of every one in `tests/golden/hashes.toml`, and for some a small PNG beside it.
 //!
-//! `TEXMAP_BLESS=1 cargo test --workspace` writes the hashes (and the PNGs that exist) anew; look at the
+//! `TEXMAP_BLESS=1 cargo test --workspace` writes the hashes (and the PNGs that exist) again; look at the
 //! pictures before committing them. A picture that differs from its PNG leaves `expected | difference |
 //! actual` in `target/golden/NAME.png`.
 use std::path::{Path, PathBuf};

@@ -41,7 +41,7 @@ impl Model {
         };
         let mut scene =
             texmap_io::load(file, &options).map_err(|e| format!("{e}\n  {}", e.help()))?;
-        // Chains that lie ready are not built anew for each frame.
+        // Chains that lie ready are not rebuilt for each frame.
         scene.textures = scene.textures.into_iter().map(|t| t.with_mips()).collect();
         if !is_scene {
             light_as_model(&mut scene, up);

@@ -1,4 +1,4 @@
-//! A spot light on its round over a baked room: the resting light stays in its map, and the spot alone is baked anew.
+//! A spot light on its round over a baked room: the resting light stays in its map, and the spot alone is baked again.
 
 use serde::Deserialize;
 use texmap_lab::demos::MovingSpot;

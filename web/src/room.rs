@@ -115,7 +115,7 @@ impl Room {
     /// A file of the scene is missing.
     pub fn new(files: &Files) -> Result<Self, String> {
         let mut scene = files.scene("room.scene", Some(include_str!("room.scene")), 1.6)?;
-        // Chains that lie ready are not built anew for each frame.
+        // Chains that lie ready are not rebuilt for each frame.
         scene.textures = scene
             .textures
             .into_iter()

@@ -1,4 +1,4 @@
-//! A light that moves over baked surfaces: maps hold what rests, and only the light that moves is baked anew.
+//! A light that moves over baked surfaces: maps hold what rests, and only the light that moves is baked again.
 
 use texmap_light::{Light, ShadowMap};
 use texmap_render::{RenderError, shadow_map_for};

@@ -371,19 +371,19 @@ mod tests {
             .collect();
         assert_eq!(left, [(1, Some(choices.shadows[0].size)), (0, Some(512))]);
         planned.check().unwrap();
-        // Two lamps three units away from squares that reach 2.83 around their middles: one has the range.
-        let lamp = |range| Light::Punctual {
+        // Two lights three units away from squares that reach 2.83 around their middles: one has the range.
+        let light = |range| Light::Punctual {
             intensity: [1.0; 3],
             position: [0.0, 0.0, 3.0],
             range,
             cone: None,
         };
-        let lamps = Scene {
-            lights: vec![lamp(0.1), lamp(9.0)],
+        let lit = Scene {
+            lights: vec![light(0.1), light(9.0)],
             effects: Effects::default(),
             ..scene.clone()
         };
-        let idle: Vec<usize> = plan(&lamps).idle_lights.iter().map(|l| l.light).collect();
+        let idle: Vec<usize> = plan(&lit).idle_lights.iter().map(|l| l.light).collect();
         assert_eq!(idle, [0]);
         // Nothing lit: no light at all.
         for material in &mut scene.materials {

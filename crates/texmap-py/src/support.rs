@@ -80,7 +80,7 @@ pub(crate) fn level(name: Option<&str>) -> PyResult<Level> {
     })
 }
 
-/// The pool of this many threads, `None`: as many as the machine gives. Pools are kept, and made anew in a forked process, which
+/// The pool of this many threads, `None`: as many as the machine gives. Pools are kept, and made again in a forked process, which
 /// has none of its parent's threads.
 fn pool(threads: Option<usize>) -> PyResult<Arc<rayon::ThreadPool>> {
     type Pools = HashMap<(u32, usize), Arc<rayon::ThreadPool>>;

@@ -126,7 +126,7 @@ impl<'s> Renderer<'s> {
         Ok(frame)
     }
 
-    /// Draws the shadow maps anew: the part of [`new`](Self::new) that moving lights and casters need.
+    /// Draws the shadow maps again: the part of [`new`](Self::new) that moving lights and casters need.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing is shadowed after that.

@@ -161,7 +161,7 @@ pub(crate) fn steps_for(count: usize) -> u64 {
 
 /// Finds something around each of `count` items within a number of steps, on all cores. Returns the finds, each with its
 /// item, in the order of the items, and the items whose search did not come to its end. Steps are shared out evenly; what
-/// items leave over goes to those that had too few, which begin anew. The same result on any number of threads.
+/// items leave over goes to those that had too few, which begin again. The same result on any number of threads.
 pub(crate) fn search_each<T: Send>(
     count: usize,
     steps: u64,
@@ -198,7 +198,7 @@ pub(crate) fn search_each<T: Send>(
         open = unfinished;
         let next = share_of(left, open.len(), share);
         if open.is_empty() || next < share * 2 {
-            // Nobody begins anew: parts of answers are better than none.
+            // Nobody begins again: parts of answers are better than none.
             found.extend(partial);
             found.sort_by_key(|(item, _)| *item);
             return (found, open);

@@ -317,7 +317,7 @@ const CAST: [(&str, &str); 7] = [
         "ld .6 .6 .5 -.5 -1 -.6\nshadow 1024 slope .002\nls .5 .5 .5 1 2.4 1 -1 -2.4 -1 40 60\nshadow 1024 slope .001\n",
     ),
     (
-        "a lamp all around",
+        "a light all around",
         "lp .8 .8 .7 .2 1.6 .3\nshadow 256 taps 1\n",
     ),
     (

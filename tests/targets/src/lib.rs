@@ -2,7 +2,7 @@
 //! colour, and the functions that are called without a scene.
 //!
 //! `tests/golden/targets.txt` holds the list. The suite `frame` holds every SIMD level of this machine against it, `.ci/targets` the
-//! builds for other machines. `TEXMAP_BLESS=1 cargo test --workspace --test frame targets` writes it anew.
+//! builds for other machines. `TEXMAP_BLESS=1 cargo test --workspace --test frame targets` rewrites it.
 #![forbid(unsafe_code)]
 
 pub mod effects;

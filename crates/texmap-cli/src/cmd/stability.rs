@@ -1,4 +1,4 @@
-//! `texmap stability`: the inputs on which methods fail, measured anew.
+//! `texmap stability`: the inputs on which methods fail, measured on this machine.
 
 use clap::Args;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! A spotlight that moves over a baked room: the resting light stays as it is, and only the spot is baked anew.
+//! A spotlight that moves over a baked room: the resting light stays as it is, and only the spot is baked again.
 
 use texmap_bake::LightMap;
 use texmap_light::Light;

@@ -36,7 +36,7 @@ pub(super) trait PlaneSource<I: Isa> {
     }
 }
 
-/// The planes of one slot, where they lie. Each block spreads them anew, since a load that spreads costs less than two registers'
+/// The planes of one slot, where they lie. Each block spreads them again, since a load that spreads costs less than two registers'
 /// worth of memory.
 #[derive(Clone, Copy)]
 pub(crate) struct One<'t> {

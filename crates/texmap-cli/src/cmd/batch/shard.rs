@@ -204,7 +204,7 @@ impl Engine {
     ) -> Result<Part, Failure> {
         let bad = |what: String| {
             let why = format!(
-                "the variables of {} do not fit together: submit the array anew, or write --shard I/N",
+                "the variables of {} do not fit together: submit the array again, or write --shard I/N",
                 self.name
             );
             Failure::usage(format!("--shard auto: {}={id}, {what}", self.id), why)
