@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::{SMALL, desk, names};
+use super::{SMALL, desk, names, outputs};
 
 #[test]
 fn the_engine_tells_the_shard() {

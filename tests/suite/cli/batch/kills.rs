@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::program::Desk;
+use crate::program::{Desk, Run};
 
 use super::{desk, lines, names, outputs};
 

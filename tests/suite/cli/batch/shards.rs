@@ -2,7 +2,7 @@
 
 use crate::program::Desk;
 
-use super::{SMALL, desk, lines, names, outputs};
+use super::{SMALL, desk, names, outputs};
 
 #[test]
 fn shards_join_to_one_run() {
