@@ -16,6 +16,7 @@ mod planes;
 mod steepest;
 mod values;
 
+use f64_fallback::RowCache;
 pub(crate) use planes::One;
 use planes::{OnePair, Own, three_planes};
 use values::Columns;
@@ -141,6 +142,7 @@ impl AttributePlanes {
         let inv_w = &mut out.inv_w;
         let mut out = Columns { inv_w, columns };
         let (mut shared, mut shared_slot) = (One::NONE, NO_PRIMITIVE);
+        let mut rows = None::<RowCache>;
         for (k, &block) in run.iter().enumerate().take(BATCH_PIXELS / BLOCK_PIXELS) {
             for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
                 let part = Part { block, at };
@@ -159,7 +161,8 @@ impl AttributePlanes {
                     out.put::<I, _, D>(i, place, &own, centres, wanted);
                 }
                 if !self.is_branch_free() {
-                    self.mend_columns::<I, D>(i, (place, part), &slots, wanted, &mut out);
+                    let rows = rows.get_or_insert_default();
+                    self.mend_columns::<I, D>(i, (place, part), &slots, wanted, rows, &mut out);
                 }
             }
         }
@@ -180,6 +183,7 @@ impl AttributePlanes {
             return;
         };
         let (mut shared, mut shared_slot) = (OnePair::NONE, NO_PRIMITIVE);
+        let mut rows = None::<RowCache>;
         for (k, &block) in run.iter().enumerate() {
             for at in (0..BLOCK_PIXELS).step_by(I::LANES) {
                 let part = Part { block, at };
@@ -201,7 +205,8 @@ impl AttributePlanes {
                     values = pair_of::<I, D>(i, planes, centres);
                 }
                 if !self.is_branch_free() {
-                    self.mend::<I, D>(i, part, &slots, wanted, &mut values);
+                    let rows = rows.get_or_insert_default();
+                    self.mend::<I, D>(i, part, &slots, wanted, rows, &mut values);
                 }
                 sink.pixels(i, k * BLOCK_PIXELS + at, block, &values);
             }

@@ -18,6 +18,7 @@ mod rows;
 mod wide;
 
 pub(crate) use depth::{Depth, DepthPlane, DepthRow, depth_offset};
+pub(crate) use rows::RowNodes;
 use rows::{Rows, rows};
 pub(crate) use wide::WidePixels;
 use wide::bound;
@@ -266,12 +267,8 @@ impl TriangleSetup {
         self.wide || self.uses_rows()
     }
 
-    /// Odd only in that it is evaluated in f64.
-    pub(crate) fn is_wide(&self) -> bool {
-        self.wide && !self.uses_rows()
-    }
-
-    fn uses_rows(&self) -> bool {
+    /// Exact at nodes of each row only.
+    pub(crate) fn uses_rows(&self) -> bool {
         matches!(self.rows, Rows::Nodes { .. })
     }
 
@@ -289,18 +286,27 @@ impl TriangleSetup {
 
     /// Everything at a pixel's centre.
     pub fn evaluate(&self, x: u32, y: u32, out: &mut Fragment) {
+        self.evaluate_on(self.row_nodes(y).as_mut(), x, y, out);
+    }
+
+    /// [`evaluate`](Self::evaluate) with the nodes of its row.
+    pub(crate) fn evaluate_on(
+        &self,
+        row: Option<&mut RowNodes>,
+        x: u32,
+        y: u32,
+        out: &mut Fragment,
+    ) {
         out.depth = self.depth(x, y);
         out.front = self.front;
         out.count = self.count;
         out.pixel = [x, y];
         let (px, py) = self.local(x, y);
-        if let Rows::Nodes {
-            edges,
-            width,
-            spacing,
-        } = &self.rows
-        {
-            self.between_nodes(edges, *width, *spacing, x, y, out);
+        if let Some(row) = row {
+            self.at_f64(f64::from(px), f64::from(py), out);
+            self.between_nodes(row, x, |k, value, ddx| {
+                (out.values[k], out.ddx[k]) = (value, ddx);
+            });
         } else if self.wide {
             self.at_f64(f64::from(px), f64::from(py), out);
         } else {

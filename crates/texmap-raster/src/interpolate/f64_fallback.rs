@@ -9,7 +9,7 @@ use super::{Part, Slots};
 use crate::coverage::stamp::BLOCK_PIXELS;
 use crate::setup::plane_table::AttributePlanes;
 use crate::setup::planes::RowPlane;
-use crate::setup::{Fragment, TriangleSetup, WidePixels};
+use crate::setup::{Fragment, RowNodes, TriangleSetup, WidePixels};
 use crate::visibility::blocks::pixel_of;
 
 /// Pixels of a block whose values the f32 planes do not give.
@@ -17,6 +17,8 @@ enum Rest<'t> {
     Nothing,
     /// All, in lanes.
     Wide(&'t TriangleSetup),
+    /// All, linear between nodes of their rows.
+    Rows(&'t TriangleSetup),
     /// Pixels of these slots: those whose bits are set, and those whose attributes are linear.
     Pixels([u32; BLOCK_PIXELS], u32),
 }
@@ -26,6 +28,26 @@ pub(super) trait Patch {
     fn inv_w(&mut self, lane: usize, value: f32);
     /// Value, and change to the right and down, of the attribute at index `i` of those asked for.
     fn attribute(&mut self, i: usize, lane: usize, value: [f32; 3]);
+    /// Value, and change to the right, of that attribute.
+    fn along_row(&mut self, i: usize, lane: usize, value: [f32; 2]);
+}
+
+/// The nodes of four rows of pixels, each of the slot that was last asked for: blocks of a run lie side by side.
+#[derive(Default)]
+pub(super) struct RowCache([Option<(u32, RowNodes)>; 4]);
+
+impl RowCache {
+    /// The nodes of a slot on a row; `None` for a triangle without.
+    fn nodes(&mut self, setup: &TriangleSetup, slot: u32, y: u32) -> Option<&mut RowNodes> {
+        let held = &mut self.0[y as usize % 4];
+        let known = held
+            .as_ref()
+            .is_some_and(|(of, row)| *of == slot && row.is_of(y));
+        if !known {
+            *held = setup.row_nodes(y).map(|row| (slot, row));
+        }
+        held.as_mut().map(|(_, row)| row)
+    }
 }
 
 impl AttributePlanes {
@@ -38,25 +60,34 @@ impl AttributePlanes {
         part: Part,
         slots: &Slots<I>,
         wanted: [usize; 2],
+        rows: &mut RowCache,
         values: &mut BlockValues<I>,
     ) {
-        match self.rest(i, slots, part) {
-            Rest::Nothing => {}
-            Rest::Wide(setup) => {
-                let wide = wide_pixels(i, setup, part);
-                values.inv_w = wide.inv_w();
-                for (k, &attribute) in wanted.iter().enumerate() {
-                    if let Some([u, dx, dy]) = wide.attribute::<D>(attribute) {
-                        (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
-                    }
+        let rest = self.rest(i, slots, part);
+        if let Rest::Wide(setup) | Rest::Rows(setup) = rest {
+            let wide = wide_pixels(i, setup, part);
+            values.inv_w = wide.inv_w();
+            for (k, &attribute) in wanted.iter().enumerate() {
+                if let Some([u, dx, dy]) = wide.attribute::<D>(attribute) {
+                    (values.value[k], values.ddx[k], values.ddy[k]) = (u, dx, dy);
                 }
             }
-            Rest::Pixels(lanes, odd) => {
-                let mut spilt = values.spill();
-                self.repair(i, &lanes, odd, part, &wanted, &mut spilt);
-                *values = BlockValues::load(i, &spilt);
-            }
         }
+        if let Rest::Nothing | Rest::Wide(_) = rest {
+            return;
+        }
+        let mut spilt = values.spill();
+        match rest {
+            Rest::Rows(setup) => {
+                let pixels = (part, part.mask(i));
+                self.between_nodes(setup, slots.first, pixels, &wanted, rows, &mut spilt);
+            }
+            Rest::Pixels(lanes, odd) => {
+                self.repair(i, (&lanes, odd), part, &wanted, rows, &mut spilt);
+            }
+            Rest::Nothing | Rest::Wide(_) => {}
+        }
+        *values = BlockValues::load(i, &spilt);
     }
 
     /// [`mend`](Self::mend) in the columns of a run, from index `place` on.
@@ -67,22 +98,28 @@ impl AttributePlanes {
         (place, part): (usize, Part),
         slots: &Slots<I>,
         wanted: &[usize],
+        rows: &mut RowCache,
         out: &mut Columns<'_>,
     ) {
-        match self.rest(i, slots, part) {
-            Rest::Nothing => {}
-            Rest::Wide(setup) => {
-                let wide = wide_pixels(i, setup, part);
-                wide.inv_w().store(&mut out.inv_w[place..]);
-                for (column, &k) in out.columns.iter_mut().zip(wanted) {
-                    if let Some(values) = wide.attribute::<D>(k) {
-                        column.put::<I, D>(place, values);
-                    }
+        let rest = self.rest(i, slots, part);
+        if let Rest::Wide(setup) | Rest::Rows(setup) = rest {
+            let wide = wide_pixels(i, setup, part);
+            wide.inv_w().store(&mut out.inv_w[place..]);
+            for (column, &k) in out.columns.iter_mut().zip(wanted) {
+                if let Some(values) = wide.attribute::<D>(k) {
+                    column.put::<I, D>(place, values);
                 }
             }
+        }
+        let patch = &mut ColumnsAt(out, place);
+        match rest {
+            Rest::Nothing | Rest::Wide(_) => {}
+            Rest::Rows(setup) => {
+                let pixels = (part, part.mask(i));
+                self.between_nodes(setup, slots.first, pixels, wanted, rows, patch);
+            }
             Rest::Pixels(lanes, odd) => {
-                let patch = &mut ColumnsAt(out, place);
-                self.repair(i, &lanes, odd, part, wanted, patch);
+                self.repair(i, (&lanes, odd), part, wanted, rows, patch);
             }
         }
     }
@@ -92,8 +129,8 @@ impl AttributePlanes {
         if slots.one {
             match self.odd_setup(slots.first) {
                 None => return Rest::Nothing,
-                Some(setup) if setup.is_wide() => return Rest::Wide(setup),
-                Some(_) => {}
+                Some(setup) if setup.uses_rows() => return Rest::Rows(setup),
+                Some(setup) => return Rest::Wide(setup),
             }
         }
         let mut lanes = [0; BLOCK_PIXELS];
@@ -117,10 +154,10 @@ impl AttributePlanes {
     fn repair<I: Isa>(
         &self,
         i: I,
-        slots: &[u32; BLOCK_PIXELS],
-        odd: u32,
+        (slots, odd): (&[u32; BLOCK_PIXELS], u32),
         part: Part,
         wanted: &[usize],
+        rows: &mut RowCache,
         out: &mut dyn Patch,
     ) {
         if self.has_linear {
@@ -129,7 +166,32 @@ impl AttributePlanes {
                 || self.replace_linear(i, slots, part, wanted, out),
             );
         }
-        self.evaluate(slots, odd, part, wanted, out);
+        self.evaluate(slots, odd, part, wanted, rows, out);
+    }
+
+    /// Replaces attributes of the pixels of one slot that are linear between nodes of their rows.
+    #[inline(never)]
+    fn between_nodes(
+        &self,
+        setup: &TriangleSetup,
+        slot: u32,
+        (part, mask): (Part, u32),
+        wanted: &[usize],
+        rows: &mut RowCache,
+        out: &mut dyn Patch,
+    ) {
+        for lane in (0..BLOCK_PIXELS).filter(|lane| mask >> lane & 1 == 1) {
+            let (x, y) = pixel_of(usize::from(part.block.block), (part.at + lane) as u32);
+            let (x, y) = (self.corner[0] + x, self.corner[1] + y);
+            let Some(row) = rows.nodes(setup, slot, y) else {
+                return;
+            };
+            setup.between_nodes(row, x, |attribute, value, ddx| {
+                for (i, _) in wanted.iter().enumerate().filter(|(_, k)| **k == attribute) {
+                    out.along_row(i, lane, [value, ddx]);
+                }
+            });
+        }
     }
 
     /// The attributes of lanes that are linear on the screen.
@@ -168,6 +230,7 @@ impl AttributePlanes {
         odd: u32,
         part: Part,
         wanted: &[usize],
+        rows: &mut RowCache,
         out: &mut dyn Patch,
     ) {
         let mut fragment = Fragment::default();
@@ -176,7 +239,9 @@ impl AttributePlanes {
                 continue;
             };
             let (x, y) = pixel_of(usize::from(part.block.block), (part.at + lane) as u32);
-            setup.evaluate(self.corner[0] + x, self.corner[1] + y, &mut fragment);
+            let (x, y) = (self.corner[0] + x, self.corner[1] + y);
+            let row = rows.nodes(setup, slots[lane], y);
+            setup.evaluate_on(row, x, y, &mut fragment);
             out.inv_w(lane, fragment.inv_w);
             for (i, &k) in wanted.iter().enumerate() {
                 let value = [fragment.values[k], fragment.ddx[k], fragment.ddy[k]];

@@ -96,6 +96,11 @@ impl Patch for Spilt {
             column[bit] = value;
         }
     }
+
+    fn along_row(&mut self, i: usize, bit: usize, [u, dx]: [f32; 2]) {
+        let [value, ddx, _] = &mut self.columns[i];
+        (value[bit], ddx[bit]) = (u, dx);
+    }
 }
 
 /// The columns of a run, one for each attribute asked for.
@@ -153,5 +158,10 @@ impl Patch for ColumnsAt<'_, '_> {
         let (column, place) = (&mut self.0.columns[i], self.1 + bit);
         column.value[place] = u;
         (column.ddx[place], column.ddy[place]) = (dx, dy);
+    }
+
+    fn along_row(&mut self, i: usize, bit: usize, [u, dx]: [f32; 2]) {
+        let (column, place) = (&mut self.0.columns[i], self.1 + bit);
+        (column.value[place], column.ddx[place]) = (u, dx);
     }
 }

@@ -3,9 +3,9 @@
 use texmap_math::simd::{Scalar, prelude::*};
 
 use super::wide::finite;
-use super::{Fragment, Shape, TriangleSetup};
-use crate::Interp;
+use super::{Shape, TriangleSetup};
 use crate::coverage::edge::{Edge, row_span};
+use crate::{Interp, MAX_ATTRIBUTES};
 
 /// Evaluation of perspective attributes.
 #[derive(Debug, Clone, Copy)]
@@ -42,64 +42,180 @@ pub(super) fn rows(shape: &Shape<'_>) -> Rows {
     }
 }
 
+/// What pixels of a row share: its ends, and the two nodes about the pixel that was last asked for, with the attributes there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RowNodes {
+    y: u32,
+    /// Centres of the first and last pixel from the origin; `None` for a row without pixels.
+    ends: Option<[f64; 2]>,
+    parts: Parts,
+    /// The left node's number and both positions; NaN before a pixel was asked for.
+    number: f64,
+    nodes: [f64; 2],
+    /// Perspective attributes at both.
+    values: [[f64; 2]; MAX_ATTRIBUTES],
+}
+
+/// Division of a row into parts.
+#[derive(Debug, Clone, Copy)]
+enum Parts {
+    Whole,
+    Pixels(f64),
+    /// So many parts of equal steps of W^-1/2, from the first root to the last. `w` is W at the first pixel, `slope` its change.
+    Roots {
+        roots: [f64; 2],
+        parts: f64,
+        w: f64,
+        slope: f64,
+    },
+    /// Every pixel is a node.
+    Exact,
+}
+
+impl RowNodes {
+    pub(crate) fn is_of(&self, y: u32) -> bool {
+        self.y == y
+    }
+
+    /// The nodes about `px` and the number of the left one.
+    fn about(&self, setup: &TriangleSetup, [first, last]: [f64; 2], px: f64) -> (f64, [f64; 2]) {
+        match self.parts {
+            Parts::Whole => (0.0, [first, last]),
+            Parts::Exact => (px, [px, px]),
+            Parts::Pixels(n) => {
+                let number = ((px - first) / n).trunc_to_int();
+                let start = first + number * n;
+                let end = start + n;
+                (number, [start, if end < last { end } else { last }])
+            }
+            Parts::Roots { roots, parts, .. } => {
+                let [g1, g2] = roots;
+                let g = root(setup.w_at(px, f64::from(setup.local(0, self.y).1)));
+                let k = ((g - g1) / (g2 - g1) * parts).trunc_to_int();
+                let node = |k: f64| self.root_node([first, last], k);
+                // Rounding may put the pixel a hair outside its part; the neighbouring part then holds it.
+                let k = if px < node(k) {
+                    k - 1.0
+                } else if px > node(k + 1.0) {
+                    k + 1.0
+                } else {
+                    k
+                };
+                (k, [node(k), node(k + 1.0)])
+            }
+        }
+    }
+
+    /// Position of a node of [`Parts::Roots`].
+    fn root_node(&self, [first, last]: [f64; 2], k: f64) -> f64 {
+        let Parts::Roots {
+            roots: [g1, g2],
+            parts,
+            w,
+            slope,
+        } = self.parts
+        else {
+            return first;
+        };
+        if k <= 0.0 {
+            first
+        } else if k >= parts {
+            last
+        } else {
+            let g = g1 + (g2 - g1) * (k / parts);
+            let x = first + (1.0 / (g * g) - w) / slope;
+            let x = if x > first { x } else { first };
+            if x < last { x } else { last }
+        }
+    }
+}
+
+fn root(w: f64) -> f64 {
+    1.0 / texmap_math::float::sqrt(w)
+}
+
 impl TriangleSetup {
-    /// Exact at two nodes on the row, linear between them.
-    pub(super) fn between_nodes(
+    /// The nodes of a row, which [`between_nodes`](Self::between_nodes) takes for its pixels; `None` for a triangle that is exact
+    /// everywhere.
+    pub(crate) fn row_nodes(&self, y: u32) -> Option<RowNodes> {
+        let Rows::Nodes {
+            edges,
+            width,
+            spacing,
+        } = &self.rows
+        else {
+            return None;
+        };
+        let centre = |x: i32| f64::from(x - self.origin[0]) + 0.5;
+        let ends = row_span(edges, y as i32, 0, width - 1).map(|(a, b)| [centre(a), centre(b)]);
+        let parts = match (*spacing, ends) {
+            (Spacing::Pixels(n), _) => Parts::Pixels(f64::from(n)),
+            (Spacing::Error(tolerance), Some(ends)) => self.error_parts(ends, y, tolerance),
+            (Spacing::Error(_), None) => Parts::Exact,
+        };
+        Some(RowNodes {
+            y,
+            ends,
+            parts,
+            number: f64::NAN,
+            nodes: [0.0; 2],
+            values: [[0.0; 2]; MAX_ATTRIBUTES],
+        })
+    }
+
+    /// Gives `put` the perspective attributes of a pixel of the row with their change to the right: exact at the two nodes about it,
+    /// linear between them. Nothing where the pixel's exact values hold.
+    pub(crate) fn between_nodes(
         &self,
-        edges: &[Edge; 3],
-        width: i32,
-        spacing: Spacing,
+        row: &mut RowNodes,
         x: u32,
-        y: u32,
-        out: &mut Fragment,
+        mut put: impl FnMut(usize, f32, f32),
     ) {
-        let (px, py) = self.local(x, y);
+        let (px, py) = self.local(x, row.y);
         let (px, py) = (f64::from(px), f64::from(py));
-        self.at_f64(px, py, out);
-        let Some((first, last)) = row_span(edges, y as i32, 0, width - 1) else {
+        let Some(ends) = row.ends else {
             return;
         };
-        // Node positions from the origin, and the pixel's position between them.
-        let [first, last] = [first, last].map(|x| f64::from(x - self.origin[0]) + 0.5);
-        let [a, b] = match spacing {
-            Spacing::Pixels(n) => {
-                let n = f64::from(n);
-                let start = first + ((px - first) / n).trunc_to_int() * n;
-                let end = start + n;
-                [start, if end < last { end } else { last }]
-            }
-            Spacing::Error(tolerance) => self.error_nodes(first, last, px, py, tolerance),
-        };
+        let (number, [a, b]) = row.about(self, ends, px);
         let length = b - a;
         if length.is_nan() || length <= 0.0 {
             return;
         }
+        if row.number != number {
+            (row.number, row.nodes) = (number, [a, b]);
+            let [wa, wb] = [self.w_at(a, py), self.w_at(b, py)];
+            for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
+                let at = |x: f64, w: f64| ranged.clamp(Scalar, ranged.at(Scalar, x, py) / w);
+                row.values[k] = [at(a, wa), at(b, wb)];
+            }
+        }
         let t = (px - a) / length;
-        let inv_w = |x: f64| self.w.clamp(Scalar, self.w.at(Scalar, x, py));
-        let [wa, wb] = [a, b].map(inv_w);
         for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
             if self.is_linear(k) {
                 continue;
             }
-            let [ua, ub] =
-                [(a, wa), (b, wb)].map(|(x, w)| ranged.clamp(Scalar, ranged.at(Scalar, x, py) / w));
+            let [ua, ub] = row.values[k];
             let between = (ua * (1.0 - t) + ub * t) as f32;
-            out.values[k] = F32s::<Scalar>::clamp(between, ranged.lo, ranged.hi);
-            out.ddx[k] = finite(Scalar, (ub - ua) / length) as f32;
+            let value = F32s::<Scalar>::clamp(between, ranged.lo, ranged.hi);
+            put(k, value, finite(Scalar, (ub - ua) / length) as f32);
         }
     }
 
-    /// The two nodes about `px` such that attributes 0 and 1 are off by at most the tolerance between any two nodes.
+    fn w_at(&self, x: f64, y: f64) -> f64 {
+        self.w.clamp(Scalar, self.w.at(Scalar, x, y))
+    }
+
+    /// The parts of a row such that attributes 0 and 1 are off by at most the tolerance between any two nodes.
     ///
     /// Between nodes with W = a and W = b (W linear along the row) an affine span is off by at most
     /// `|du| |sqrt b - sqrt a| / (sqrt b + sqrt a)`. With `du = K (1/a - 1/b)`, K = (U_x W - U W_x) / W_x constant along
     /// the row, that is `K (a^-1/2 - b^-1/2)^2`: nodes at equal steps of W^-1/2 share the error evenly.
-    fn error_nodes(&self, first: f64, last: f64, px: f64, py: f64, tolerance: f64) -> [f64; 2] {
+    fn error_parts(&self, [first, last]: [f64; 2], y: u32, tolerance: f64) -> Parts {
         let slope = self.w.plane[0];
-        let at = |x: f64| self.w.clamp(Scalar, self.w.at(Scalar, x, py));
-        let (w1, w2) = (at(first), at(last));
+        let py = f64::from(self.local(0, y).1);
+        let (w1, w2) = (self.w_at(first, py), self.w_at(last, py));
         if slope == 0.0 || w1 == w2 {
-            return [first, last];
+            return Parts::Whole;
         }
         let mut largest = 0.0;
         for (k, ranged) in self.attributes[..self.count.min(2)].iter().enumerate() {
@@ -111,36 +227,18 @@ impl TriangleSetup {
                 }
             }
         }
-        let root = |w: f64| 1.0 / texmap_math::float::sqrt(w);
         let (g1, g2) = (root(w1), root(w2));
         // The nodes are exact only to rounding: a hair below the tolerance keeps the sum below it.
         let parts = (g2 - g1).abs() * texmap_math::float::sqrt(largest / (tolerance * 0.999));
         // More parts than pixels: every pixel is a node.
         if parts.is_nan() || parts > last - first {
-            return [px, px];
+            return Parts::Exact;
         }
-        let parts = parts.trunc_to_int() + 1.0;
-        let node = |k: f64| {
-            if k <= 0.0 {
-                first
-            } else if k >= parts {
-                last
-            } else {
-                let g = g1 + (g2 - g1) * (k / parts);
-                let x = first + (1.0 / (g * g) - w1) / slope;
-                let x = if x > first { x } else { first };
-                if x < last { x } else { last }
-            }
-        };
-        let g = root(at(px));
-        let k = ((g - g1) / (g2 - g1) * parts).trunc_to_int();
-        // Rounding may put the pixel a hair outside its part; the neighbouring part then holds it.
-        if px < node(k) {
-            [node(k - 1.0), node(k)]
-        } else if px > node(k + 1.0) {
-            [node(k + 1.0), node(k + 2.0)]
-        } else {
-            [node(k), node(k + 1.0)]
+        Parts::Roots {
+            roots: [g1, g2],
+            parts: parts.trunc_to_int() + 1.0,
+            w: w1,
+            slope,
         }
     }
 }
