@@ -226,9 +226,10 @@ impl From<TruthError> for Failure {
             TruthError::Render(RenderError::Memory(refused)) => {
                 Self::over_memory(refused, error.to_string())
             }
-            TruthError::Unsupported { .. } => {
-                Self::usage(error.to_string(), "the reference is of Phong's light")
-            }
+            TruthError::Unsupported { .. } => Self::usage(
+                error.to_string(),
+                "draw it without --verify, or with --tone-map none --exposure 1",
+            ),
             _ => Self::internal(error.to_string()),
         }
     }

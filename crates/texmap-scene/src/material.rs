@@ -105,6 +105,16 @@ impl Default for Material {
 }
 
 impl Material {
+    /// True if the light map holds the light of this light, by its number.
+    #[must_use]
+    pub fn bakes(&self, light: usize) -> bool {
+        match self.light_map.as_ref().map(|map| &map.baked) {
+            None => false,
+            Some(None) => true,
+            Some(Some(all)) => all.contains(&light),
+        }
+    }
+
     /// Every texture that the material names.
     pub fn slots(&self) -> impl Iterator<Item = &TextureSlot> {
         let maps = &self.maps;

@@ -108,6 +108,24 @@ impl MetallicRoughness {
             .chain(self.occlusion.iter().map(|(slot, _)| slot))
     }
 
+    /// Every texture that the model names, to change.
+    pub fn slots_mut(&mut self) -> impl Iterator<Item = &mut TextureSlot> {
+        let coat = self.clearcoat.iter_mut();
+        let coat = coat.flat_map(|c| [&mut c.map, &mut c.roughness_map]);
+        let sheen = self.sheen.iter_mut();
+        let sheen = sheen.flat_map(|s| [&mut s.color_map, &mut s.roughness_map]);
+        [
+            &mut self.map,
+            &mut self.specular_map,
+            &mut self.specular_color_map,
+        ]
+        .into_iter()
+        .chain(coat)
+        .chain(sheen)
+        .flatten()
+        .chain(self.occlusion.iter_mut().map(|(slot, _)| slot))
+    }
+
     /// True if every number is finite and within its range.
     #[must_use]
     pub fn is_valid(&self) -> bool {

@@ -22,7 +22,7 @@ pub enum TruthError {
     #[error(transparent)]
     Camera(#[from] CameraError),
     /// The scene has what the reference does not know.
-    #[error("{place}: the f64 reference knows no {what}: draw it without --verify")]
+    #[error("{place}: the f64 reference knows no {what}")]
     Unsupported {
         /// Material or effect.
         place: String,

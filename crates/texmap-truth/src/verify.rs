@@ -115,9 +115,11 @@ fn surface_samplers(material: &mut Material) -> impl Iterator<Item = &mut Sample
             | NormalDetail::NormalMap { slot, .. } => Some(slot),
             NormalDetail::Procedural { .. } => None,
         });
+    let metallic = material.metallic_roughness.iter_mut();
     material
         .base_color
         .iter_mut()
+        .chain(metallic.flat_map(|model| model.slots_mut()))
         .chain(&mut material.opacity_map)
         .chain(&mut material.decal)
         .chain(&mut maps.ambient)

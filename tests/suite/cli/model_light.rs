@@ -46,8 +46,19 @@ fn models_are_metallic_roughness_and_scenes_are_not() {
         hash("--color raw"),
         hash("--color raw --shading metallic-roughness")
     );
-    desk.texmap("render cube.obj --resolution 32x24 -o v.png --verify")
-        .ok();
+    // The reference is of the same light as the picture.
+    let judged = |flags: &str| {
+        let words = "--resolution 32x24 -o v.png --supersample 4 --verify --json";
+        let run = desk
+            .texmap(&format!("render cube.obj {words} {flags}"))
+            .ok();
+        let item = run.json()["items"][0].clone();
+        item["truth"]["rmse"].as_f64().expect("a figure")
+    };
+    let own = judged("");
+    assert!(own < 0.02, "{own}");
+    let other = judged("--shading classic");
+    assert!(other < 0.02, "{other}");
     desk.put(
         "cube.scene",
         "eye 0 0 6\nlook 0 0 0\nfov 40\nla 0.3 0.3 0.3\nld 0.6 0.6 0.6 0.2 -0.5 -1\nobj cube.obj\n",

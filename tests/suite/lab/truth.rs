@@ -29,6 +29,14 @@ struct Compared {
     inside: usize,
     over: usize,
     worst: f64,
+    squares: f64,
+}
+
+impl Compared {
+    /// Root mean of the squares, in code values.
+    fn rmse(&self) -> f64 {
+        (self.squares / self.inside.max(1) as f64).sqrt()
+    }
 }
 
 /// A pixel lies inside when its neighbours see the same triangle under the same meshes, so that snapped vertices change nothing, and no
@@ -40,6 +48,7 @@ fn compare(truth: &Truth, frame: &Frame) -> Compared {
         inside: 0,
         over: 0,
         worst: 0.0,
+        squares: 0.0,
     };
     for y in 1..h - 1 {
         for x in 1..w - 1 {
@@ -55,6 +64,7 @@ fn compare(truth: &Truth, frame: &Frame) -> Compared {
                 out.inside += 1;
                 out.over += usize::from(off > 1.01);
                 out.worst = out.worst.max(off);
+                out.squares += off * off;
             }
         }
     }
@@ -111,6 +121,56 @@ fn every_scene_is_drawn_as_rays_say() {
         }
     }
     assert!(off.is_empty(), "{}", off.join("\n"));
+}
+
+/// Models of glTF under the studio and their own lights: every lobe, both sets of coordinates, tangents, occlusion, tone mapping.
+#[test]
+fn metallic_roughness_is_drawn_as_its_reference_says() {
+    type Change = fn(&mut Scene);
+    let changes: [(&str, Change); 6] = [
+        ("materials.glb", |s| {
+            model(s, |m| m.roughness = 0.5 + 0.5 * m.roughness)
+        }),
+        ("two_uv.glb", |s| model(s, |m| m.occlusion = None)),
+        ("tangents.glb", |s| {
+            s.meshes[1].tangents = vec![[1.0, 0.0, 0.0, -1.0]; 4]
+        }),
+        ("mirrored.glb", |s| {
+            s.materials.iter_mut().for_each(|m| m.normal_detail = None)
+        }),
+        ("instances.glb", |s| {
+            s.lights.truncate(1);
+            s.effects.light_names.truncate(1);
+        }),
+        ("plates.gltf", |s| s.effects.tone_mapping.exposure = 1.2),
+    ];
+    for (name, change) in changes {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../assets/gltf")
+            .join(name);
+        let mut scene = texmap_io::load(&file, &LoadOptions::default()).unwrap();
+        texmap_io::framing::light_model(&mut scene, texmap_io::framing::Up::Y, false);
+        let picture = drawn(&scene, None);
+        let found = compare(&frame(&scene, WIDTH, HEIGHT, 1).unwrap(), &picture);
+        let rmse = found.rmse();
+        assert!(found.inside > 5_000, "{name}: {} values", found.inside);
+        // Rounding to bytes leaves 0.29 where colours vary.
+        assert!(
+            rmse < 0.35 && found.worst < 1.1,
+            "{name}: {rmse}, worst {}",
+            found.worst
+        );
+        change(&mut scene);
+        let other = compare(&frame(&scene, WIDTH, HEIGHT, 1).unwrap(), &picture);
+        assert!(other.rmse() > 2.0 * rmse, "{name}: {} {rmse}", other.rmse());
+    }
+}
+
+fn model(scene: &mut Scene, change: fn(&mut texmap_scene::MetallicRoughness)) {
+    let models = scene.materials.iter_mut();
+    models
+        .filter_map(|material| material.metallic_roughness.as_mut())
+        .for_each(change);
 }
 
 /// The reference picture of `--verify` is the limit of the renderer with many samples.

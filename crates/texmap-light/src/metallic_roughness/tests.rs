@@ -269,3 +269,37 @@ fn lanes_have_the_bits_of_one_point() {
         }
     }
 }
+
+/// Layered surfaces under even light within each lobe, and no lobe stands for another.
+#[test]
+fn even_light_gives_what_the_reference_says() {
+    let smooth = DVec3::new(0.1, -0.05, 1.0).normalize();
+    let [red, green, blue] = [[0.9, 0.1, 0.3], [0.2, 0.8, 0.1], [0.1, 0.3, 1.2]];
+    for (metallic, roughness) in [(0.0, 0.2), (0.5, 0.6), (1.0, 0.9)] {
+        let surface = layered(metallic, roughness);
+        let reference = Reflectance::new(&surface);
+        for nv in [0.1, 0.5, 0.97] {
+            let view = towards(nv);
+            let narrow = |v: DVec3| v.as_vec3().to_array();
+            let got = ReflectanceLanes::new(
+                Scalar,
+                &surface,
+                [0.0, 0.0, 1.0],
+                narrow(smooth),
+                narrow(view),
+            );
+            let cosines = (nv, smooth.dot(view));
+            let wide = |c: [f32; 3]| DVec3::from(c.map(f64::from));
+            let right = |a, b, c| reference.under_even(cosines, wide(a), wide(b), wide(c));
+            let even = wide(got.under_even(Scalar, red, green, blue));
+            let off = (even - right(red, green, blue)).abs().max_element();
+            assert!(off < 0.012, "{metallic} {roughness} {nv}: {off}");
+            let other = (even - right(green, red, blue)).abs().max_element();
+            assert!(other > 0.02, "{metallic} {roughness} {nv}: {other}");
+            let baked = wide(got.under_irradiance(red));
+            let right = reference.under_irradiance(cosines, wide(red));
+            let off = (baked - right).abs().max_element();
+            assert!(off < 0.012, "{metallic} {roughness} {nv}: baked {off}");
+        }
+    }
+}

@@ -116,6 +116,7 @@ fn power5(x: f64) -> f64 {
 }
 
 /// A function of the cosine from its values at even steps of the cosine's square root.
+#[derive(Clone, Debug)]
 struct Curve<const N: usize>(Vec<[f64; N]>);
 
 impl<const N: usize> Curve<N> {
@@ -137,6 +138,14 @@ impl<const N: usize> Curve<N> {
         core::array::from_fn(|i| p[i] + (q[i] - p[i]) * k)
     }
 
+    /// Between this and another: 0 is this.
+    fn mix(&self, other: &Self, t: f64) -> Self {
+        let pairs = self.0.iter().zip(&other.0);
+        let mean =
+            |(p, q): (&[f64; N], &[f64; N])| core::array::from_fn(|i| p[i] + (q[i] - p[i]) * t);
+        Self(pairs.map(mean).collect())
+    }
+
     /// The mean over a hemisphere, weighted by the cosine.
     fn average(&self) -> [f64; N] {
         let mut sum = [0.0; N];
@@ -154,13 +163,61 @@ impl<const N: usize> Curve<N> {
     }
 }
 
+/// Directional albedos of the GGX lobe of a roughness, by the cosine to the eye, and their mean.
+#[derive(Clone, Debug)]
+pub struct GgxAlbedo {
+    curve: Curve<2>,
+    average: [f64; 2],
+}
+
+impl GgxAlbedo {
+    /// By quadrature, which takes some milliseconds. Perceptual roughness, at least [`MIN_ROUGHNESS`].
+    #[must_use]
+    pub fn new(roughness: f32) -> Self {
+        let alpha = width(roughness);
+        let curve = Curve::new(|nv| ggx_albedo(alpha, nv, 128));
+        Self {
+            average: curve.average(),
+            curve,
+        }
+    }
+
+    /// Between this and another: 0 is this.
+    #[must_use]
+    pub fn mix(&self, other: &Self, t: f64) -> Self {
+        let mean = |k: usize| self.average[k] + (other.average[k] - self.average[k]) * t;
+        Self {
+            curve: self.curve.mix(&other.curve, t),
+            average: [mean(0), mean(1)],
+        }
+    }
+}
+
+/// Directional albedo of white sheen of a roughness, by the cosine to the eye.
+#[derive(Clone, Debug)]
+pub struct SheenAlbedo(Curve<1>);
+
+impl SheenAlbedo {
+    /// By quadrature, which takes some milliseconds. Perceptual roughness, at least [`SHEEN_MIN_ROUGHNESS`].
+    #[must_use]
+    pub fn new(roughness: f32) -> Self {
+        let alpha = sheen_width(roughness);
+        Self(Curve::new(|nv| [sheen_albedo(alpha, nv, 64)]))
+    }
+
+    /// Between this and another: 0 is this.
+    #[must_use]
+    pub fn mix(&self, other: &Self, t: f64) -> Self {
+        Self(self.0.mix(&other.0, t))
+    }
+}
+
 /// A surface with the albedos of its lobes.
 pub struct Reflectance {
     surface: MetallicRoughnessSurface,
-    base: Curve<2>,
-    base_average: [f64; 2],
-    coat: Curve<2>,
-    sheen: Curve<1>,
+    base: GgxAlbedo,
+    coat: Option<GgxAlbedo>,
+    sheen: Option<SheenAlbedo>,
 }
 
 impl core::fmt::Debug for Reflectance {
@@ -169,26 +226,40 @@ impl core::fmt::Debug for Reflectance {
     }
 }
 
+/// The base of a surface without the directions.
+struct Base {
+    f0: DVec3,
+    f90: f64,
+    /// Fraction of the light lost at the first bounce that leaves after further ones.
+    more: DVec3,
+    /// Reflectance head on of the dielectric's brightest channel, and that fraction of it.
+    most: f64,
+    once_more: f64,
+}
+
 impl Reflectance {
     /// The reflectance of a surface; takes some 10 ms.
     #[must_use]
     pub fn new(surface: &MetallicRoughnessSurface) -> Self {
-        let curve = |roughness: f32| {
-            let alpha = width(roughness);
-            Curve::new(|nv| ggx_albedo(alpha, nv, 128))
-        };
-        let base = curve(surface.roughness);
-        let coat = surface.clearcoat.map_or(0.0, |coat| coat.roughness);
-        let sheen = surface.sheen.map(|sheen| {
-            let roughness = f64::from(sheen.roughness.max(SHEEN_MIN_ROUGHNESS));
-            Curve::new(|nv| [sheen_albedo(roughness * roughness, nv, 64)])
-        });
+        let coat = surface.clearcoat.map(|coat| GgxAlbedo::new(coat.roughness));
+        let sheen = surface.sheen.map(|sheen| SheenAlbedo::new(sheen.roughness));
+        Self::of_albedos(surface, GgxAlbedo::new(surface.roughness), coat, sheen)
+    }
+
+    /// The reflectance of a surface by the albedos of its lobes. Those of layers that it has not are not read; it needs those of layers that
+    /// it has.
+    #[must_use]
+    pub fn of_albedos(
+        surface: &MetallicRoughnessSurface,
+        base: GgxAlbedo,
+        coat: Option<GgxAlbedo>,
+        sheen: Option<SheenAlbedo>,
+    ) -> Self {
         Self {
             surface: *surface,
-            base_average: base.average(),
             base,
-            coat: curve(coat),
-            sheen: sheen.unwrap_or(Curve(alloc::vec![[0.0]; Curve::<1>::STEPS + 1])),
+            coat,
+            sheen,
         }
     }
 
@@ -206,19 +277,14 @@ impl Reflectance {
         let mut sum = self.base(nv, nl, nh, vh);
         if let Some(sheen) = surface.sheen {
             let color = wide(sheen.color);
-            let most = color.max_element();
-            let left = |c: f64| 1.0 - most * self.sheen.at(c)[0];
-            let roughness = f64::from(sheen.roughness.max(SHEEN_MIN_ROUGHNESS));
-            let alpha = roughness * roughness;
+            let left = |c: f64| 1.0 - color.max_element() * self.sheen_at(c);
+            let alpha = sheen_width(sheen.roughness);
             sum = sum * left(nv).min(left(nl)) + color * charlie(alpha, nh) * cloth(alpha, nv, nl);
         }
         if let Some(coat) = surface.clearcoat {
             let factor = f64::from(coat.factor);
             let (cv, cl) = (smooth.dot(view), smooth.dot(light));
-            let left = |c: f64| {
-                let [a, b] = self.coat.at(c);
-                1.0 - factor * (0.04 * a + b)
-            };
+            let left = |c: f64| 1.0 - factor * self.coat_at(c);
             sum *= left(cv).min(left(cl));
             if cv > 0.0 && cl > 0.0 {
                 let alpha = width(coat.roughness);
@@ -230,41 +296,127 @@ impl Reflectance {
         sum
     }
 
-    /// The base without its layers.
-    fn base(&self, nv: f64, nl: f64, nh: f64, vh: f64) -> DVec3 {
+    /// Radiance towards the eye under light that is even within each lobe, for the cosines of the eye to the normal and to that of the
+    /// clearcoat. The lights are those of the base (irradiance over pi), of its GGX lobe and of the clear layer.
+    #[must_use]
+    pub fn under_even(
+        &self,
+        (nv, cv): (f64, f64),
+        irradiance: DVec3,
+        glossy: DVec3,
+        coating: DVec3,
+    ) -> DVec3 {
+        let (base, [a, b]) = (self.terms(), self.base.curve.at(nv));
+        let metallic = f64::from(self.surface.metallic);
+        let color = wide(self.surface.base_color);
+        let diffuse = color * ((1.0 - metallic) * self.left(&base, [a, b]));
+        let again = base.more * (1.0 - a - b);
+        let once = base.f0 * a + DVec3::splat(base.f90 * b);
+        self.layered(
+            (nv, cv),
+            irradiance,
+            irradiance * (diffuse + again) + glossy * once,
+            coating,
+        )
+    }
+
+    /// Radiance towards the eye of diffuse light alone: irradiance over pi, as light maps hold it. The cosines are those of
+    /// [`under_even`](Self::under_even).
+    #[must_use]
+    pub fn under_irradiance(&self, (nv, cv): (f64, f64), irradiance: DVec3) -> DVec3 {
+        let left = self.left(&self.terms(), self.base.curve.at(nv));
+        let metallic = f64::from(self.surface.metallic);
+        let base = irradiance * wide(self.surface.base_color) * ((1.0 - metallic) * left);
+        // The layers take light, and give none back of it.
+        self.layered((nv, cv), DVec3::ZERO, base, DVec3::ZERO)
+    }
+
+    /// The light of the base under its layers.
+    fn layered(
+        &self,
+        (nv, cv): (f64, f64),
+        irradiance: DVec3,
+        base: DVec3,
+        coating: DVec3,
+    ) -> DVec3 {
+        let mut sum = base;
+        if let Some(sheen) = self.surface.sheen {
+            let (color, albedo) = (wide(sheen.color), self.sheen_at(nv));
+            sum = sum * (1.0 - color.max_element() * albedo) + irradiance * color * albedo;
+        }
+        if let Some(coat) = self.surface.clearcoat {
+            let albedo = f64::from(coat.factor) * self.coat_at(cv);
+            sum = sum * (1.0 - albedo) + coating * albedo;
+        }
+        sum
+    }
+
+    /// Directional albedo of the clear layer.
+    fn coat_at(&self, c: f64) -> f64 {
+        let coat = self.coat.as_ref();
+        coat.map_or(0.0, |coat| {
+            let [a, b] = coat.curve.at(c);
+            0.04 * a + b
+        })
+    }
+
+    /// Directional albedo of white sheen.
+    fn sheen_at(&self, c: f64) -> f64 {
+        self.sheen.as_ref().map_or(0.0, |sheen| sheen.0.at(c)[0])
+    }
+
+    fn terms(&self) -> Base {
         let surface = &self.surface;
         let metallic = f64::from(surface.metallic);
         let color = wide(surface.base_color);
         let dielectric = (wide(surface.f0), f64::from(surface.f90));
-        let f0 = dielectric.0.lerp(color, metallic);
-        let f90 = dielectric.1 + (1.0 - dielectric.1) * metallic;
-        let [a, b] = self.base_average;
+        let [a, b] = self.base.average;
         let mean = a + b;
-        let missing = |c: f64| {
-            let [a, b] = self.base.at(c);
-            1.0 - a - b
-        };
         let often = |f0: DVec3, f90: f64| {
             let average = f0 + (DVec3::splat(f90) - f0) / 21.0;
             average * average * mean / (DVec3::ONE - average * (1.0 - mean))
         };
-        let alpha = width(surface.roughness);
-        let fresnel = f0 + (DVec3::splat(f90) - f0) * power5(1.0 - vh);
-        let once = fresnel * ggx(alpha, nh) * smith(alpha, nv, nl);
-        let lost = 1.0 - mean;
-        let more = often(dielectric.0, dielectric.1).lerp(often(color, 1.0), metallic);
-        let again = more * (missing(nv) * missing(nl) / lost.max(MIN_SHARE.into()) * FRAC_1_PI);
         let most = dielectric.0.max_element();
-        let once_more = often(DVec3::splat(most), dielectric.1).x;
-        let left = |c: f64| {
-            let [a, b] = self.base.at(c);
-            1.0 - (most * a + dielectric.1 * b + once_more * (1.0 - a - b))
-        };
-        let left_average = 1.0 - (most * a + dielectric.1 * b + once_more * lost);
-        let left_average = left_average.max(MIN_SHARE.into());
-        let diffuse = color * ((1.0 - metallic) * left(nv) * left(nl) / left_average * FRAC_1_PI);
-        once + again + diffuse
+        Base {
+            f0: dielectric.0.lerp(color, metallic),
+            f90: dielectric.1 + (1.0 - dielectric.1) * metallic,
+            more: often(dielectric.0, dielectric.1).lerp(often(color, 1.0), metallic),
+            most,
+            once_more: often(DVec3::splat(most), dielectric.1).x,
+        }
     }
+
+    /// Light that the dielectric lobe leaves to the diffuse base, of the lobe's albedo.
+    fn left(&self, base: &Base, [a, b]: [f64; 2]) -> f64 {
+        let f90 = f64::from(self.surface.f90);
+        1.0 - (base.most * a + f90 * b + base.once_more * (1.0 - a - b))
+    }
+
+    /// The base without its layers.
+    fn base(&self, nv: f64, nl: f64, nh: f64, vh: f64) -> DVec3 {
+        let surface = &self.surface;
+        let base = self.terms();
+        let [a, b] = self.base.average;
+        let lost = 1.0 - a - b;
+        let missing = |c: f64| {
+            let [a, b] = self.base.curve.at(c);
+            1.0 - a - b
+        };
+        let alpha = width(surface.roughness);
+        let fresnel = base.f0 + (DVec3::splat(base.f90) - base.f0) * power5(1.0 - vh);
+        let once = fresnel * ggx(alpha, nh) * smith(alpha, nv, nl);
+        let again =
+            base.more * (missing(nv) * missing(nl) / lost.max(MIN_SHARE.into()) * FRAC_1_PI);
+        let left = |c: f64| self.left(&base, self.base.curve.at(c));
+        let left_average = self.left(&base, self.base.average).max(MIN_SHARE.into());
+        let share = (1.0 - f64::from(surface.metallic)) * left(nv) * left(nl) / left_average;
+        once + again + wide(surface.base_color) * (share * FRAC_1_PI)
+    }
+}
+
+fn sheen_width(roughness: f32) -> f64 {
+    let roughness = f64::from(roughness.max(SHEEN_MIN_ROUGHNESS));
+    roughness * roughness
 }
 
 fn width(roughness: f32) -> f64 {

@@ -7,6 +7,7 @@ use texmap_scene::{Background, Scene};
 use super::color::{background, over, straight};
 use super::environment::{EnvironmentMap, Ray};
 use super::slot::{Place, Slot, Textures};
+use super::world::display;
 use crate::caster::Pinhole;
 
 /// The most directions a side at which a sample looks an environment up.
@@ -14,6 +15,7 @@ const MOST: f64 = 8.0;
 
 /// The background of a scene.
 pub(super) struct SampledBackground<'s> {
+    scene: &'s Scene,
     color: DVec4,
     sky: Option<Sky<'s>>,
 }
@@ -39,6 +41,7 @@ impl<'s> SampledBackground<'s> {
             }
         });
         Self {
+            scene,
             color: background(scene),
             sky,
         }
@@ -77,7 +80,7 @@ impl<'s> SampledBackground<'s> {
                         })
                     };
                     let seen = seen(light, sphere.texel_angle(), pinhole, x, y);
-                    seen.min(DVec3::ONE).extend(1.0)
+                    display(self.scene, seen).extend(1.0)
                 }
                 None => self.color,
             },
@@ -88,9 +91,8 @@ impl<'s> SampledBackground<'s> {
                 };
                 let side = f64::from(sphere.size());
                 let texel = (4.0 * std::f64::consts::PI / (6.0 * side * side)).sqrt();
-                seen(light, texel, pinhole, x, y)
-                    .min(DVec3::ONE)
-                    .extend(1.0)
+                let seen = seen(light, texel, pinhole, x, y);
+                display(self.scene, seen).extend(1.0)
             }
         }
     }

@@ -76,7 +76,7 @@ impl<'s> BumpMap<'s> {
         match self {
             Self::Formula(formula) => formula.normal(at, n),
             Self::Heights(slot, height) => {
-                let place = slot.placed(at.place);
+                let place = slot.placed(at.read(slot));
                 bumped(
                     at,
                     n,
@@ -85,7 +85,7 @@ impl<'s> BumpMap<'s> {
                 )
             }
             Self::Offsets(slot, slope, green) => {
-                let place = slot.placed(at.place);
+                let place = slot.placed(at.read(slot));
                 let texel = straight(slot.filtered(place)) * 2.0 - 1.0;
                 // Green grows up or down the picture, v down it from a top-left origin, else up it.
                 let up =
@@ -100,7 +100,7 @@ impl<'s> BumpMap<'s> {
                 strength,
                 world_from_normal,
             } => {
-                let texel = slot.straight(at.place) * 2.0 - 1.0;
+                let texel = slot.straight(at.read(slot)) * 2.0 - 1.0;
                 let y = if *green == NormalMapGreen::Up {
                     texel.y
                 } else {

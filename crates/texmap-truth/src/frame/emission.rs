@@ -4,7 +4,8 @@ use texmap_math::glam::DVec3;
 use texmap_scene::{Emission, Mesh};
 
 use super::color::wide;
-use super::slot::{Place, Slot, Textures};
+use super::lighting::Point;
+use super::slot::{Slot, Textures};
 
 /// The emission of a surface.
 pub(super) struct Emitter<'s> {
@@ -22,8 +23,8 @@ impl<'s> Emitter<'s> {
     }
 
     /// The emitted light, added to the light that the surface returns.
-    pub(super) fn light(&self, place: Place) -> DVec3 {
+    pub(super) fn light(&self, at: &Point) -> DVec3 {
         let map = self.map.as_ref();
-        self.color * map.map_or(DVec3::ONE, |slot| slot.straight(place))
+        self.color * map.map_or(DVec3::ONE, |slot| slot.straight(at.read(slot)))
     }
 }

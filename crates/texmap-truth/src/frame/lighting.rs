@@ -4,11 +4,11 @@
 use texmap_light::{Light, PhongMaterial as Numbers, SpecularModel};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::DVec3;
-use texmap_scene::ProjectorMode;
+use texmap_scene::{ProjectorMode, UvSet};
 
 use super::color::wide;
 use super::environment::Ray;
-use super::slot::Place;
+use super::slot::{Place, Slot};
 use super::surface::Surface;
 use super::world::World;
 
@@ -20,9 +20,9 @@ pub(super) struct Terms {
 }
 
 impl Terms {
-    /// The light of a base colour, clipped at 1.
+    /// The light of a base colour, not clipped.
     pub(super) fn color(&self, base: DVec3) -> DVec3 {
-        (base * self.diffuse + self.specular).min(DVec3::ONE)
+        base * self.diffuse + self.specular
     }
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Point {
     pub(super) plane: DVec3,
     /// Texture coordinates.
     pub(super) place: Place,
-    /// Coordinates of the light map.
+    /// Coordinates of the light map, and of textures that read the second set.
     pub(super) baked_place: Place,
     /// Tangent and the sign of the bitangent; zero without.
     pub(super) tangent: (DVec3, f64),
@@ -49,6 +49,16 @@ pub(super) struct Point {
     pub(super) view: Ray,
     /// Seen in a mirror.
     pub(super) mirrored: bool,
+}
+
+impl Point {
+    /// The coordinates that a slot reads.
+    pub(super) fn read(&self, slot: &Slot<'_>) -> Place {
+        match slot.uv_set {
+            UvSet::First => self.place,
+            UvSet::Second => self.baked_place,
+        }
+    }
 }
 
 /// One light on a point, with nothing in its way: colour, and the shares of it that go into the two terms. `view` has unit length.
@@ -61,8 +71,29 @@ pub(super) fn contribution(
     view: DVec3,
 ) -> (DVec3, f64, f64) {
     let dark = (DVec3::ZERO, 0.0, 0.0);
+    if let Light::Ambient { color } = *light {
+        return (wide(color), f64::from(numbers.ka), 0.0);
+    }
+    let (color, toward) = arriving(light, point);
+    let facing = normal.dot(toward);
+    if facing <= 0.0 {
+        return dark;
+    }
+    let along = match model {
+        SpecularModel::Phong => view.dot(2.0 * facing * normal - toward),
+        SpecularModel::Blinn => normal.dot((view + toward).normalize_or_zero()),
+    };
+    let highlight = if along > 0.0 && numbers.ks > 0.0 {
+        f64::from(numbers.ks) * deterministic_f64::pow(along, f64::from(numbers.ns))
+    } else {
+        0.0
+    };
+    (color, f64::from(numbers.kd) * facing, highlight)
+}
+
+/// The colour in which a light arrives at a point, with nothing in its way, and the unit vector to it. Black for light from everywhere.
+pub(super) fn arriving(light: &Light, point: DVec3) -> (DVec3, DVec3) {
     let (color, toward) = match *light {
-        Light::Ambient { color } => return (wide(color), f64::from(numbers.ka), 0.0),
         Light::Directional { color, direction } => (wide(color), -wide(direction)),
         Light::Point { color, position } => (wide(color), wide(position) - point),
         Light::Spot {
@@ -93,23 +124,9 @@ pub(super) fn contribution(
             let share = texmap_light::reference::falloff(range, cone.as_ref(), toward);
             (wide(intensity) * share, toward)
         }
-        _ => return dark,
+        _ => (DVec3::ZERO, DVec3::ZERO),
     };
-    let toward = toward.normalize_or_zero();
-    let facing = normal.dot(toward);
-    if facing <= 0.0 {
-        return dark;
-    }
-    let along = match model {
-        SpecularModel::Phong => view.dot(2.0 * facing * normal - toward),
-        SpecularModel::Blinn => normal.dot((view + toward).normalize_or_zero()),
-    };
-    let highlight = if along > 0.0 && numbers.ks > 0.0 {
-        f64::from(numbers.ks) * deterministic_f64::pow(along, f64::from(numbers.ns))
-    } else {
-        0.0
-    };
-    (color, f64::from(numbers.kd) * facing, highlight)
+    (color, toward.normalize_or_zero())
 }
 
 /// The light at a point of a surface that is lit per pixel.
@@ -117,7 +134,7 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
     let material = surface.material();
     let view = at.view.direction.normalize_or_zero();
     let normal = surface.turned_normal(at);
-    let map = |slot: &Option<super::slot::Slot<'_>>| slot.as_ref().map(|s| s.straight(at.place));
+    let map = |slot: &Option<Slot<'_>>| slot.as_ref().map(|s| s.straight(at.read(s)));
     let mut numbers = material.phong;
     if let Some(texel) = map(&surface.exponent) {
         numbers.ns = (f64::from(numbers.ns) * texel.x) as f32;
@@ -125,14 +142,9 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
     let ambient = map(&surface.ambient);
     let mut sum = Terms::default();
     let mut own_ambient = DVec3::ZERO;
-    let baked = |index: usize| match material.light_map.as_ref().map(|map| &map.baked) {
-        None => false,
-        Some(None) => true,
-        Some(Some(all)) => all.contains(&index),
-    };
     let model = material.specular_model;
     for (index, light) in world.scene.lights.iter().enumerate() {
-        if baked(index) {
+        if material.bakes(index) {
             continue;
         }
         let (color, diffuse, highlight) =
@@ -186,7 +198,7 @@ fn mirror(world: &World<'_>, surface: &Surface<'_>, at: &Point, normal: DVec3, s
     };
     if let Some(reflection) = material.reflection {
         let map = surface.reflectivity.as_ref();
-        let share = map.map_or(1.0, |slot| slot.straight(at.place).x);
+        let share = map.map_or(1.0, |slot| slot.straight(at.read(slot)).x);
         let led = match &reflection.within {
             Some(walls) => mirrored.led_to(walls, at.position, at.moves),
             None => mirrored,

@@ -15,6 +15,7 @@ mod emission;
 mod environment;
 mod grid;
 mod lighting;
+mod metallic;
 mod pattern;
 mod projector;
 
@@ -30,7 +31,7 @@ mod world;
 
 use rayon::prelude::*;
 use texmap_math::glam::{DVec3, DVec4};
-use texmap_scene::{ColorMode, Mesh, Scene, Shading, ToneMapping, UvSet};
+use texmap_scene::{ColorMode, Mesh, Scene, Shading, ToneMapping};
 
 use crate::TruthError;
 use crate::picture::Picture;
@@ -41,7 +42,7 @@ use world::World;
 
 /// Assumptions of the reference that are not derived.
 pub const ASSUMPTIONS: &str = "perspective coordinates, bilinear texels, hard shadows by rays, environments and specular maps as their \
-     texels are, displaced meshes and billboards as the triangles that are drawn, light that is clipped at white in each sample";
+     texels are, environment light as its prefiltered levels are (even within each lobe), displaced meshes and billboards as the triangles that are drawn, light that is clipped at white in each sample";
 
 /// A frame computed in f64.
 #[derive(Clone, Debug)]
@@ -108,38 +109,34 @@ impl Truth {
 }
 
 /// Refuses what would be drawn wrongly.
-fn known(scene: &Scene) -> Result<(), TruthError> {
-    let used = scene
-        .meshes
-        .iter()
-        .map(|mesh| &scene.materials[mesh.material]);
-    for material in used {
-        let per_pixel = material.shading == Shading::PerPixel;
-        let what = if per_pixel && material.metallic_roughness.is_some() {
-            "metallic-roughness model"
-        } else if material.reads_uv(UvSet::Second) {
-            "texture at the second set of coordinates"
-        } else {
-            continue;
-        };
-        let place = format!("material '{}'", material.name);
-        return Err(TruthError::Unsupported { place, what });
-    }
+fn known(scene: &Scene, traces: bool) -> Result<(), TruthError> {
     if scene.effects.tone_mapping == ToneMapping::default() {
         return Ok(());
     }
-    Err(TruthError::Unsupported {
-        place: "scene".to_owned(),
-        what: "exposure or tone mapping",
-    })
+    let unsupported = |place: String, what| Err(TruthError::Unsupported { place, what });
+    if traces {
+        // What a mirror shows would be mapped twice.
+        let place = "scene".to_owned();
+        return unsupported(place, "exposure or tone mapping in mirrors");
+    }
+    let mut used = scene
+        .meshes
+        .iter()
+        .map(|mesh| &scene.materials[mesh.material]);
+    match used.find(|material| material.shading == Shading::PerVertex) {
+        None => Ok(()),
+        Some(material) => unsupported(
+            format!("material '{}'", material.name),
+            "exposure or tone mapping of light at the vertices",
+        ),
+    }
 }
 
 /// Computes a frame with `samples` x `samples` samples a pixel, on all threads of rayon's pool. The result does not depend on their
 /// number. Displaced meshes and billboards are taken as the triangles that [`texmap_mesh::tessellate`] makes of them.
 ///
 /// # Errors
-/// If the scene does not pass its own check; [`TruthError::Unsupported`] for metallic-roughness materials, second sets of coordinates
-/// beside that of light maps, and tone mapping.
+/// If the scene does not pass its own check; [`TruthError::Unsupported`] for tone mapping of surfaces that are lit at their vertices.
 pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Truth, TruthError> {
     computed(scene, (width, height), samples, false)
 }
@@ -148,7 +145,7 @@ pub fn frame(scene: &Scene, width: u32, height: u32, samples: u32) -> Result<Tru
 /// environments. The light that a ray meets ends at 1, as that of surfaces does.
 ///
 /// # Errors
-/// As [`frame`].
+/// As [`frame`], and for any tone mapping.
 pub fn frame_by_rays(
     scene: &Scene,
     width: u32,
@@ -165,7 +162,7 @@ fn computed(
     traces: bool,
 ) -> Result<Truth, TruthError> {
     scene.check()?;
-    known(scene)?;
+    known(scene, traces)?;
     let scene = &*texmap_mesh::tessellate(scene, width)?;
     let samples = samples.max(1);
     let mut world = World::new(scene, (width, height), samples)?;

@@ -4,13 +4,16 @@ use texmap_light::SpecularModel;
 use texmap_math::glam::{DMat3, DVec2, DVec3, DVec4};
 use texmap_math::texture_frame::{PlanarTexgen, TextureFrame};
 use texmap_sample::Filter;
-use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, TextureRole, VertexColorInterp};
+use texmap_scene::{
+    AlphaMode, Material, Mesh, Scene, Shading, TextureRole, UvSet, VertexColorInterp,
+};
 
 use super::bump::{BumpMap, clamped};
 use super::color::{luminance, over, straight, wide};
 use super::emission::Emitter;
 use super::environment::Ray;
 use super::lighting::{Point, Terms, contribution, terms};
+use super::metallic::Metal;
 use super::projector::paint;
 use super::slot::{Place, Slot, Textures};
 use super::space::SampledSolid;
@@ -35,6 +38,8 @@ pub(super) struct Surface<'s> {
     solid: Option<SampledSolid>,
     bump: Option<BumpMap<'s>>,
     emission: Option<Emitter<'s>>,
+    /// The model of light in place of the classic one.
+    metal: Option<Metal<'s>>,
     pub(super) ambient: Option<Slot<'s>>,
     pub(super) specular: Option<Slot<'s>>,
     pub(super) exponent: Option<Slot<'s>>,
@@ -68,6 +73,8 @@ impl<'s> Surface<'s> {
             }) => corner_tangents(mesh, slot.uv_set),
             _ => Vec::new(),
         };
+        let metal = material.metallic_roughness.as_ref();
+        let metal = metal.map(|model| Metal::new(model, mesh, textures));
         let mut ramp = |slot: &'s Option<texmap_scene::TextureSlot>| {
             let slot = slot.as_ref();
             slot.map(|slot| textures.slot(slot, texmap_sample::Origin::TopLeft))
@@ -103,6 +110,7 @@ impl<'s> Surface<'s> {
                 .map(|solid| SampledSolid::new(solid, &scene.effects)),
             bump,
             emission,
+            metal,
             frame: mesh.texture_frame.map(frame).transpose()?,
             mirrored: mesh.world_from_object.determinant() < 0.0,
         })
@@ -132,7 +140,8 @@ impl<'s> Surface<'s> {
     pub(super) fn kept(&self, triangle: u32, hit: &Hit, pinhole: &Pinhole, x: f64, y: f64) -> bool {
         match self.material().alpha {
             AlphaMode::Test(threshold) => {
-                self.passes(threshold, self.place(triangle, hit, pinhole, x, y))
+                let first = self.place(triangle, hit, pinhole, x, y);
+                self.passes(threshold, first, self.second_place(triangle, hit))
             }
             _ => true,
         }
@@ -155,13 +164,19 @@ impl<'s> Surface<'s> {
             t: 1.0,
             front: true,
         };
-        self.passes(threshold, self.vertex_place(triangle, &hit))
+        let first = self.vertex_place(triangle, &hit);
+        self.passes(threshold, first, self.second_place(triangle, &hit))
     }
 
-    fn passes(&self, threshold: f32, place: Place) -> bool {
+    /// The alpha test by the first and second coordinates.
+    fn passes(&self, threshold: f32, first: Place, second: Place) -> bool {
+        let read = |slot: &Slot<'_>| match slot.uv_set {
+            UvSet::First => first,
+            UvSet::Second => second,
+        };
         let texel = self.base_color.as_ref();
-        let texel = texel.map_or(1.0, |slot| slot.texel(place).w);
-        let alpha = texel * self.opacity(place);
+        let texel = texel.map_or(1.0, |slot| slot.texel(read(slot)).w);
+        let alpha = texel * self.opacity(read);
         let source = self.opacity_map.as_ref().or(self.base_color.as_ref());
         let nearest =
             source.is_none_or(|s| matches!(s.sampler.filter, Filter::Nearest | Filter::MipNearest));
@@ -173,9 +188,9 @@ impl<'s> Surface<'s> {
     }
 
     /// Opacity of the material and its map.
-    fn opacity(&self, place: Place) -> f64 {
+    fn opacity(&self, read: impl Fn(&Slot<'_>) -> Place) -> f64 {
         let map = self.opacity_map.as_ref();
-        f64::from(self.material().opacity) * map.map_or(1.0, |slot| slot.opacity(place))
+        f64::from(self.material().opacity) * map.map_or(1.0, |slot| slot.opacity(read(slot)))
     }
 
     /// The colour where a ray meets a triangle: linear light, premultiplied.
@@ -185,7 +200,7 @@ impl<'s> Surface<'s> {
             .base_color
             .as_ref()
             .map(|slot| self.base_texel(slot, at));
-        let label = self.decal.as_ref().map(|slot| slot.texel(at.place));
+        let label = self.decal.as_ref().map(|slot| slot.texel(at.read(slot)));
         let opaque = |color: DVec3| color.min(DVec3::ONE).extend(1.0);
         let surface = wide(material.phong.color);
         let (color, alpha) = match (texel, material.texture_role) {
@@ -218,7 +233,7 @@ impl<'s> Surface<'s> {
         };
         match material.alpha {
             AlphaMode::Blend => {
-                let alpha = alpha * self.opacity(at.place);
+                let alpha = alpha * self.opacity(|slot| at.read(slot));
                 (color * alpha).extend(alpha)
             }
             _ => opaque(color),
@@ -227,18 +242,19 @@ impl<'s> Surface<'s> {
 
     /// The texel of the base colour: through its ramp, within its outline.
     fn base_texel(&self, slot: &Slot<'_>, at: &Point) -> DVec4 {
-        let mut texel = slot.texel(at.place);
+        let place = at.read(slot);
+        let mut texel = slot.texel(place);
         if let (Some(ramp), None) = (&self.color_ramp, &self.solid) {
-            texel = slot.dependent(at.place, ramp) * texel.w;
+            texel = slot.dependent(place, ramp) * texel.w;
         }
         if self.material().antialiased_alpha {
-            let alpha = slot.outline(at.place, texel.w);
+            let alpha = slot.outline(place, texel.w);
             texel = (straight(texel) * alpha).extend(alpha);
         }
         texel
     }
 
-    /// A base colour under the scene's light, clipped at 1. `varies` tells that it is not the same at all vertices.
+    /// A base colour under the scene's light, as display light. `varies` tells that it is not the same at all vertices.
     fn lit(&self, world: &World<'_>, at: &Point, hit: &Hit, base: DVec3, varies: bool) -> DVec3 {
         let material = self.material();
         let vertices = self.mesh.triangles[at.owner.1 as usize];
@@ -256,7 +272,7 @@ impl<'s> Surface<'s> {
             values[0] * b.x + values[1] * b.y + values[2] * b.z
         };
         let emitter = self.emission.as_ref();
-        let emitted = emitter.map_or(DVec3::ZERO, |emitter| emitter.light(at.place));
+        let emitted = emitter.map_or(DVec3::ZERO, |emitter| emitter.light(at));
         let finished = |mut terms: Terms| {
             if let Some(ramp) = &self.light_ramp {
                 terms.diffuse = straight(ramp.along(luminance(terms.diffuse)));
@@ -270,7 +286,11 @@ impl<'s> Surface<'s> {
                 let paint = paint(world, at);
                 let base = base * mix(vertices.map(tint));
                 let base = paint.truncate() + base * (1.0 - paint.w);
-                finished(terms(world, self, at)).color(base)
+                let light = match &self.metal {
+                    Some(metal) => metal.light(world, self, at, base) + emitted,
+                    None => finished(terms(world, self, at)).color(base),
+                };
+                world.display(light)
             }
             Shading::PerVertex => {
                 let light = vertices.map(|vertex| self.vertex_terms(world, vertex, at.front));
@@ -280,10 +300,11 @@ impl<'s> Surface<'s> {
                         diffuse: mix(tinted),
                         specular: mix(light.map(|terms| terms.specular)),
                     };
-                    return finished(terms).color(base);
+                    return finished(terms).color(base).min(DVec3::ONE);
                 }
                 // A term that does not vary is finished, and clipped, at the vertices.
-                let color = mix([0, 1, 2].map(|k| light[k].color(base * tint(vertices[k]))));
+                let color = |k: usize| light[k].color(base * tint(vertices[k])).min(DVec3::ONE);
+                let color = mix([0, 1, 2].map(color));
                 (color + emitted).min(DVec3::ONE)
             }
         }
@@ -352,12 +373,6 @@ impl<'s> Surface<'s> {
         let (corners, front) = (self.corners(triangle), self.front(hit));
         let side = if front { 1.0 } else { -1.0 };
         let normals = vertices.map(|v| self.normals[v as usize] * side);
-        let baked = |axis: usize| {
-            vertices.map(|v| {
-                let uv = self.mesh.lightmap_uvs.get(v as usize);
-                uv.map_or(0.0, |uv| f64::from(uv[axis]))
-            })
-        };
         let tangent = |k: usize| {
             self.tangents
                 .get(3 * triangle as usize + k)
@@ -374,7 +389,7 @@ impl<'s> Surface<'s> {
             turns: hit.vector_changes(normals),
             plane: self.flat(triangle).normalize_or_zero() * side,
             place: self.place(triangle, hit, pinhole, x, y),
-            baked_place: place_of(hit, baked(0), baked(1)),
+            baked_place: self.second_place(triangle, hit),
             // The frame belongs to the front; on the back its third vector, and with it the second, is turned round.
             tangent: (
                 hit.vector(tangents.map(|t| t.0)),
@@ -430,10 +445,20 @@ impl<'s> Surface<'s> {
                 dy: DVec2::new(uy, vy),
             };
         }
+        self.place_among(&self.mesh.uvs, triangle, hit)
+    }
+
+    /// Coordinates of the second set.
+    fn second_place(&self, triangle: u32, hit: &Hit) -> Place {
+        self.place_among(&self.mesh.lightmap_uvs, triangle, hit)
+    }
+
+    /// Coordinates by those of the vertices; 0 without.
+    fn place_among(&self, uvs: &[[f32; 2]], triangle: u32, hit: &Hit) -> Place {
         let vertices = self.mesh.triangles[triangle as usize];
         let at = |axis: usize| {
             vertices.map(|v| {
-                let uv = self.mesh.uvs.get(v as usize);
+                let uv = uvs.get(v as usize);
                 uv.map_or(0.0, |uv| f64::from(uv[axis]))
             })
         };

@@ -1,10 +1,11 @@
 //! A scene made ready for rays: its surfaces, and everything that they look up.
 
-use texmap_math::glam::DVec2;
-use texmap_scene::{Background, Scene};
+use texmap_math::glam::{DVec2, DVec3};
+use texmap_scene::{Background, Scene, ToneMapping};
 
 use super::backdrop::SampledBackground;
 use super::environment::EnvironmentMap;
+use super::metallic::Albedos;
 use super::projector::Cast;
 use super::shadow::Shadow;
 use super::slot::Textures;
@@ -33,6 +34,7 @@ pub(super) struct World<'s> {
     pub(super) environments: Vec<Option<EnvironmentMap>>,
     pub(super) volumes: Vec<Medium<'s>>,
     pub(super) behind: SampledBackground<'s>,
+    pub(super) albedos: Albedos,
 }
 
 impl<'s> World<'s> {
@@ -87,7 +89,13 @@ impl<'s> World<'s> {
                 .map(|volume| Medium::new(scene, volume, &mut textures))
                 .collect(),
             behind: SampledBackground::new(scene, size, &mut textures),
+            albedos: Albedos::default(),
         })
+    }
+
+    /// Display light of the light of a surface or a sky.
+    pub(super) fn display(&self, light: DVec3) -> DVec3 {
+        display(self.scene, light)
     }
 
     /// True if shadows reach the surface of a mesh.
@@ -95,6 +103,15 @@ impl<'s> World<'s> {
         let cast = self.projector_shadows.iter().any(Option::is_some);
         cast || self.shadows.iter().any(|of_light| !of_light.is_empty())
     }
+}
+
+/// Display light of light: exposure and tone mapping.
+pub(super) fn display(scene: &Scene, light: DVec3) -> DVec3 {
+    let mapping = scene.effects.tone_mapping;
+    if mapping == ToneMapping::default() {
+        return light.min(DVec3::ONE);
+    }
+    texmap_light::reference::tone_map(mapping.map, f64::from(mapping.exposure), light)
 }
 
 /// Environments that some surface or the sky looks up.

@@ -51,8 +51,7 @@ pub(crate) fn item(
     // The files of this input alone.
     let files = &files.clone().recording();
     let options = options(args, file, files);
-    let measured = args.verify || args.budget().is_some();
-    let kept = scene_file || measured;
+    let kept = scene_file || args.budget().is_some();
     args.light.prepare(kept, args.color);
     let rootless = file != item.input && args.root.folder().is_none();
     let mut scene = load(file, rootless, &options)?;

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 #[command(next_help_heading = "Light")]
 pub(crate) struct LightArgs {
     /// The model of surfaces: metallic-roughness (the exponent of an MTL becomes a roughness) or classic, the model of Phong
-    /// [default: metallic-roughness for models, classic for scenes and under --verify, --max-error and --quality]
+    /// [default: metallic-roughness for models, classic for scenes and under --max-error and --quality]
     #[arg(long, value_name = "MODEL")]
     shading: Option<Model>,
     /// Light from all around on metallic-roughness surfaces: a lat-long picture (.hdr, .exr, ...), the neutral studio, or none
@@ -118,8 +118,7 @@ impl LightArgs {
     }
 
     /// Gives surfaces their model, which is metallic-roughness unless one is asked for. Raw colours are no light and stay as they are,
-    /// and `kept` keeps what the files say: of a scene file, and where the f64 reference or a plan is asked, which know the classic
-    /// model.
+    /// and `kept` keeps what the files say: of a scene file, and where a plan is asked, which knows the classic model.
     pub(crate) fn shade(&self, scene: &mut Scene, kept: bool) {
         let metallic = match self.shading {
             Some(model) => model == Model::MetallicRoughness,

@@ -1,0 +1,241 @@
+//! Metallic-roughness surfaces in f64: their numbers by maps, and the light that they return.
+//!
+//! Lights go by the BRDF of [`texmap_light::reference::metallic_roughness`]. The environment light is taken as its levels are: light that
+//! is even within each lobe, one look-up for the base, one for its lobe and one for the clear layer (Karis 2013).
+
+use std::sync::OnceLock;
+
+use texmap_light::lanes::{ClearcoatLanes, SheenLanes};
+use texmap_light::reference::metallic_roughness::{GgxAlbedo, Reflectance, SheenAlbedo};
+use texmap_light::{EnvironmentLight, Light, MIN_ROUGHNESS, MetallicRoughnessSurface};
+use texmap_math::glam::DVec3;
+use texmap_scene::{Mesh, MetallicRoughness, ProjectorMode, TextureSlot};
+
+use super::color::wide;
+use super::lighting::{Point, arriving};
+use super::slot::{Slot, Textures};
+use super::surface::Surface;
+use super::world::World;
+
+/// Least cosine between normal and eye; normals that look away count as seen at that.
+const GRAZING: f64 = 1e-4;
+/// Steps of roughness between which albedos are interpolated.
+const STEPS: usize = 64;
+
+/// The albedos of lobes, each computed when a surface first has its roughness.
+pub(super) struct Albedos {
+    ggx: Vec<OnceLock<GgxAlbedo>>,
+    sheen: Vec<OnceLock<SheenAlbedo>>,
+}
+
+impl Default for Albedos {
+    fn default() -> Self {
+        let empty = |_| OnceLock::new();
+        Self {
+            ggx: (0..=STEPS).map(empty).collect(),
+            sheen: (0..=STEPS).map(|_| OnceLock::new()).collect(),
+        }
+    }
+}
+
+impl Albedos {
+    fn ggx(&self, roughness: f32) -> GgxAlbedo {
+        let (low, part) = step(roughness);
+        let at = |k: usize| self.ggx[k].get_or_init(|| GgxAlbedo::new(of_step(k)));
+        at(low).mix(at(low + 1), part)
+    }
+
+    fn sheen(&self, roughness: f32) -> SheenAlbedo {
+        let (low, part) = step(roughness);
+        let at = |k: usize| self.sheen[k].get_or_init(|| SheenAlbedo::new(of_step(k)));
+        at(low).mix(at(low + 1), part)
+    }
+}
+
+/// The step below a roughness, and the part of the way to the next.
+fn step(roughness: f32) -> (usize, f64) {
+    let at = f64::from(roughness.clamp(0.0, 1.0)) * STEPS as f64;
+    let low = (at as usize).min(STEPS - 1);
+    (low, at - low as f64)
+}
+
+fn of_step(k: usize) -> f32 {
+    k as f32 / STEPS as f32
+}
+
+/// A metallic-roughness model on a mesh, with its maps.
+pub(super) struct Metal<'s> {
+    model: &'s MetallicRoughness,
+    map: Option<Slot<'s>>,
+    occlusion: Option<(Slot<'s>, f64)>,
+    specular: Option<Slot<'s>>,
+    specular_color: Option<Slot<'s>>,
+    coat: [Option<Slot<'s>>; 2],
+    sheen: [Option<Slot<'s>>; 2],
+}
+
+impl<'s> Metal<'s> {
+    pub(super) fn new(
+        model: &'s MetallicRoughness,
+        mesh: &Mesh,
+        textures: &mut Textures<'s>,
+    ) -> Self {
+        let mut slot = |slot: &'s TextureSlot| textures.slot(slot, mesh.uv_origin);
+        let coat = model.clearcoat.as_ref();
+        let sheen = model.sheen.as_ref();
+        Self {
+            model,
+            map: model.map.as_ref().map(&mut slot),
+            occlusion: model
+                .occlusion
+                .as_ref()
+                .map(|(map, strength)| (slot(map), f64::from(*strength))),
+            specular: model.specular_map.as_ref().map(&mut slot),
+            specular_color: model.specular_color_map.as_ref().map(&mut slot),
+            coat: [
+                coat.and_then(|coat| coat.map.as_ref()).map(&mut slot),
+                coat.and_then(|coat| coat.roughness_map.as_ref())
+                    .map(&mut slot),
+            ],
+            sheen: [
+                sheen
+                    .and_then(|sheen| sheen.color_map.as_ref())
+                    .map(&mut slot),
+                sheen
+                    .and_then(|sheen| sheen.roughness_map.as_ref())
+                    .map(&mut slot),
+            ],
+        }
+    }
+
+    /// The surface at a point, and the fraction of indirect light that reaches it.
+    fn surface(&self, at: &Point, base_color: DVec3) -> (MetallicRoughnessSurface, f64) {
+        let model = self.model;
+        let color = |slot: &Option<Slot<'_>>| {
+            slot.as_ref()
+                .map_or(DVec3::ONE, |slot| slot.straight(at.read(slot)))
+        };
+        let alpha = |slot: &Option<Slot<'_>>| {
+            slot.as_ref()
+                .map_or(1.0, |slot| slot.texel(at.read(slot)).w)
+        };
+        let both = color(&self.map);
+        let specular = f64::from(model.specular) * alpha(&self.specular);
+        let root = f64::from((model.ior - 1.0) / (model.ior + 1.0));
+        let f0 = wide(model.specular_color) * root * root * color(&self.specular_color);
+        let narrow = |v: DVec3| v.as_vec3().to_array();
+        let surface = MetallicRoughnessSurface {
+            base_color: narrow(base_color),
+            metallic: (f64::from(model.metallic) * both.z) as f32,
+            roughness: (f64::from(model.roughness) * both.y) as f32,
+            f0: narrow(f0.min(DVec3::ONE) * specular),
+            f90: specular as f32,
+            clearcoat: model.clearcoat.as_ref().map(|coat| ClearcoatLanes {
+                factor: (f64::from(coat.factor) * color(&self.coat[0]).x) as f32,
+                roughness: (f64::from(coat.roughness) * color(&self.coat[1]).y) as f32,
+            }),
+            sheen: model.sheen.as_ref().map(|sheen| SheenLanes {
+                color: narrow(wide(sheen.color) * color(&self.sheen[0])),
+                roughness: (f64::from(sheen.roughness) * alpha(&self.sheen[1])) as f32,
+            }),
+        };
+        let share = self.occlusion.as_ref().map_or(1.0, |(slot, strength)| {
+            1.0 + (slot.straight(at.read(slot)).x - 1.0) * strength
+        });
+        (surface, share)
+    }
+
+    /// The light that a point returns, not clipped.
+    pub(super) fn light(
+        &self,
+        world: &World<'_>,
+        surface: &Surface<'_>,
+        at: &Point,
+        base_color: DVec3,
+    ) -> DVec3 {
+        let material = surface.material();
+        let (numbers, share) = self.surface(at, base_color);
+        let albedos = &world.albedos;
+        let reflectance = Reflectance::of_albedos(
+            &numbers,
+            albedos.ggx(numbers.roughness),
+            numbers.clearcoat.map(|coat| albedos.ggx(coat.roughness)),
+            numbers.sheen.map(|sheen| albedos.sheen(sheen.roughness)),
+        );
+        let (normal, smooth) = (surface.turned_normal(at), at.normal.normalize_or_zero());
+        let eye = at.view.direction.normalize_or_zero();
+        let lift = (GRAZING - normal.dot(eye)).max(0.0);
+        let view = (eye + normal * lift).normalize_or_zero();
+        let cosines = (normal.dot(view), smooth.dot(view).max(GRAZING));
+        let mut sum = DVec3::ZERO;
+        if let Some(light) = &world.scene.effects.environment_light {
+            sum += share
+                * under_environment(
+                    &reflectance,
+                    &numbers,
+                    light,
+                    (normal, smooth, eye),
+                    cosines,
+                );
+        }
+        if let (Some(map), Some(slot)) = (&material.light_map, &surface.light_map) {
+            let light = slot.straight(at.baked_place) * f64::from(map.scale);
+            sum += reflectance.under_irradiance(cosines, light);
+        }
+        // `pi f (N.L)`: a light of 1 leaves a white diffuse surface as 1.
+        let returned = |toward: DVec3| {
+            let facing = normal.dot(toward);
+            let brdf = reflectance.brdf(normal, smooth, view, toward);
+            brdf * (std::f64::consts::PI * facing.max(0.0))
+        };
+        for (index, light) in world.scene.lights.iter().enumerate() {
+            if material.bakes(index) {
+                continue;
+            }
+            if let Light::Ambient { color } = *light {
+                let color = wide(color);
+                sum += reflectance.under_even(cosines, color, color, color) * share;
+                continue;
+            }
+            let (color, toward) = arriving(light, at.position);
+            let part = returned(toward) * color;
+            if part != DVec3::ZERO && world.light_reaches(index, at) {
+                sum += part;
+            }
+        }
+        for (index, cast) in world.projectors.iter().enumerate() {
+            let ProjectorMode::Light(color) = cast.projector.mode else {
+                continue;
+            };
+            let toward = (cast.projector.position - at.position).normalize_or_zero();
+            let part = returned(toward) * wide(color);
+            let picture = cast.texel(at.position, at.moves).truncate();
+            if part * picture != DVec3::ZERO && world.projector_reaches(index, at) {
+                sum += part * picture;
+            }
+        }
+        sum
+    }
+}
+
+/// The light of an environment: level by level as it was gathered.
+fn under_environment(
+    reflectance: &Reflectance,
+    numbers: &MetallicRoughnessSurface,
+    light: &EnvironmentLight,
+    (normal, smooth, view): (DVec3, DVec3, DVec3),
+    cosines: (f64, f64),
+) -> DVec3 {
+    let narrow = |v: DVec3| v.as_vec3().to_array();
+    let mirrored = |n: DVec3| 2.0 * n.dot(view) * n - view;
+    let roughness = numbers.roughness.max(MIN_ROUGHNESS);
+    let irradiance = wide(light.irradiance(narrow(normal)));
+    // Wide lobes lean to the normal, where the cosine of the light is greatest.
+    let lean = f64::from(roughness).powi(3);
+    let glossy = wide(light.radiance(roughness, narrow(mirrored(normal).lerp(normal, lean))));
+    let coating = numbers.clearcoat.map_or(glossy, |coat| {
+        let roughness = coat.roughness.max(MIN_ROUGHNESS);
+        wide(light.radiance(roughness, narrow(mirrored(smooth))))
+    });
+    reflectance.under_even(cosines, irradiance, glossy, coating)
+}
