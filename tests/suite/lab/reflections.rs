@@ -248,7 +248,7 @@ fn flat_mirrors_show_what_rays_meet() {
     scene.camera.look = DVec3::new(1.0, -0.1, 0.2);
     scene.camera.lens.center = [0.1, -0.05];
     // A tilted mirror in the room, and a board that reaches through its plane.
-    let mirror = Mesh {
+    let tilted = Mesh {
         name: "mirror".into(),
         material: 6,
         ..Mesh::quad([
@@ -268,7 +268,7 @@ fn flat_mirrors_show_what_rays_meet() {
             [0.2, 0.0, 0.1],
         ])
     };
-    scene.meshes.extend([mirror, board]);
+    scene.meshes.extend([tilted, board]);
     let size = (96, 72);
     let mirrored = with_planar_mirror(&scene, 6, 1.0, size).unwrap();
     assert!(
