@@ -25,6 +25,7 @@ pub(crate) mod camera;
 mod draw;
 mod files;
 pub(crate) mod inputs;
+mod item;
 mod light;
 mod look;
 mod mirror;
@@ -212,9 +213,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
         .iter()
         .map(|item| (item, inputs.file(&item.input, &files)))
         .collect();
-    draw::keep_apart(args, &sources)?;
+    item::keep_apart(args, &sources)?;
     for (item, (file, files)) in sources {
-        match draw::item(args, item, file, level, &cameras, files) {
+        match item::item(args, item, file, level, &cameras, files) {
             Ok(done) => reports.extend(done),
             // Alone, a bad input is the whole answer; among others it is one line of the report.
             Err(failure) if items.len() == 1 => return Err(failure),
