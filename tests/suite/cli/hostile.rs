@@ -114,7 +114,7 @@ fn reports_of_shards_and_what_they_name_are_regular_files_in_their_folder() {
         let exit = if code.contains("complete") { 75 } else { 4 };
         desk.refused("merge out -o all", exit, code);
     }
-    desk.put("out/.texmap/report.jsonl", &output("empty.png"));
+    desk.put("out/.texmap/report.jsonl", output("empty.png"));
     desk.texmap("merge out -o all").ok();
 }
 
