@@ -15,7 +15,6 @@ fn main() -> ExitCode {
     };
     let mut bindgen = Bindgen::new();
     bindgen.input_path(input).out_name(&name).typescript(false);
-    bindgen.remove_name_section(true).remove_producers_section(true);
     bindgen
         .remove_name_section(true)
         .remove_producers_section(true);
