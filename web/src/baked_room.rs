@@ -228,3 +228,44 @@ fn with_maps(scene: &Scene, texels: u32, lights: &[usize]) -> Result<Scene, Rend
     }
     Ok(baked)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load::Files;
+
+    /// A floor and a wall of one colour under a dim light.
+    const ROOM: &str = "eye 0 3 7\nlook 0 1 0\nfov 60\nla 0.2 0.2 0.2\nsurf 0.8 0.8 0.8 1 1 0 1\nv -4 0 4\nv 4 0 4\nv 4 0 -4\nv -4 0 -4\nv -4 4 -4\nv 4 4 -4\nf 0 1 2 3\nf 3 2 5 4\n";
+
+    fn drawn(part: f64) -> Answer {
+        let scene = Files::new().scene("room.scene", Some(ROOM), 1.0).unwrap();
+        answer(&scene, 64, part, false).unwrap()
+    }
+
+    #[test]
+    fn the_spot_moves_and_is_its_fresh_bake() {
+        let (first, half) = (drawn(0.0), drawn(0.5));
+        for answer in [&first, &half] {
+            let worst = answer.figures.iter().find(|f| f.unit == "of 255").unwrap();
+            assert!(worst.value <= 1.0, "{}", worst.value);
+        }
+        // Right of the middle at first, left of it half a round later.
+        let light = |answer: &Answer, left: bool| -> u32 {
+            let rgba = &answer.panels[0].rgba;
+            let pixels = rgba.chunks(4).enumerate();
+            let side = pixels.filter(|(i, _)| (i % 64 < 32) == left);
+            side.map(|(_, p)| u32::from(p[0])).sum()
+        };
+        assert!(light(&first, false) > light(&first, true) * 11 / 10);
+        assert!(light(&half, true) > light(&half, false) * 11 / 10);
+    }
+
+    #[test]
+    fn a_room_of_too_many_meshes_is_refused() {
+        let scene = Files::new().scene("room.scene", Some(ROOM), 1.0);
+        let mut scene = scene.unwrap();
+        scene.meshes = vec![scene.meshes[0].clone(); MESHES + 1];
+        let refused = answer(&scene, 64, 0.0, true).unwrap_err();
+        assert!(refused.contains("65 meshes"), "{refused}");
+    }
+}
