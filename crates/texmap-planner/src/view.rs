@@ -181,9 +181,6 @@ impl View<'_> {
         let srgb = self.scene.color == ColorMode::Srgb;
         let mut best: Option<(f64, &Price)> = None;
         for price in prices() {
-            if price.filter.reads_summed_area() && look.bytes_of_sums() > MOST_SUMS {
-                continue;
-            }
             let read = look.by(price.filter, price.precision);
             let first = pilot.error(look, &read, srgb);
             let mut predicted = first.bound;
@@ -257,9 +254,6 @@ fn unseen(places: &PixelSamples, all: usize) -> &'static str {
         "hardly seen"
     }
 }
-
-/// Bytes of a summed-area table up to which it is tried: that of a texture of 2048 x 1024 texels.
-const MOST_SUMS: u64 = 1 << 26;
 
 /// Texels of affine error up to which w counts as equal: below the 8 sub-texel bits of any filter.
 const EQUAL_W: f64 = 1.0 / 512.0;
