@@ -164,7 +164,7 @@ impl<const N: usize> Columns<N> {
     }
 
     /// The numbers of pixel `at`.
-    pub(crate) fn get(&self, at: usize) -> [f32; N] {
+    pub fn get(&self, at: usize) -> [f32; N] {
         self.0.each_ref().map(|column| column[at])
     }
 
