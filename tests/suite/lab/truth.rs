@@ -129,14 +129,14 @@ fn metallic_roughness_is_drawn_as_its_reference_says() {
     type Change = fn(&mut Scene);
     let changes: [(&str, Change); 6] = [
         ("materials.glb", |s| {
-            model(s, |m| m.roughness = 0.5 + 0.5 * m.roughness)
+            model(s, |m| m.roughness = 0.5 + 0.5 * m.roughness);
         }),
         ("two_uv.glb", |s| model(s, |m| m.occlusion = None)),
         ("tangents.glb", |s| {
-            s.meshes[1].tangents = vec![[1.0, 0.0, 0.0, -1.0]; 4]
+            s.meshes[1].tangents = vec![[1.0, 0.0, 0.0, -1.0]; 4];
         }),
         ("mirrored.glb", |s| {
-            s.materials.iter_mut().for_each(|m| m.normal_detail = None)
+            s.materials.iter_mut().for_each(|m| m.normal_detail = None);
         }),
         ("instances.glb", |s| {
             s.lights.truncate(1);
