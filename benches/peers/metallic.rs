@@ -12,7 +12,8 @@ use glow::HasContext as _;
 use texmap_benches::bench_scenes::{
     METALLIC, METALLIC_LIGHT, METALLIC_LIGHTS, METALLIC_SUN, ROUGHNESS, metallic_environment,
 };
-use texmap_light::split_sum;
+use texmap_light::{EnvironmentLayout, split_sum};
+use texmap_math::glam::DVec2;
 use texmap_scene::ColorMode;
 
 use crate::effects::{VERTEX, bind, vector};
@@ -149,17 +150,11 @@ fn mean() -> [f32; 2] {
     sum.map(|s| s as f32)
 }
 
-/// The direction of the centre of a texel of a cube's face, of any length (OpenGL 3.3, table 3.19).
+/// The direction of the centre of a texel of a cube's face.
 fn direction(face: u32, x: usize, y: usize) -> [f32; 3] {
-    let [s, t] = [x, y].map(|k| (2 * k + 1) as f32 / SIDE as f32 - 1.0);
-    match face {
-        0 => [1.0, -t, -s],
-        1 => [-1.0, -t, s],
-        2 => [s, 1.0, t],
-        3 => [s, -1.0, -t],
-        4 => [s, -t, 1.0],
-        _ => [-s, -t, -1.0],
-    }
+    let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / SIDE as f64;
+    let direction = EnvironmentLayout::Cube.direction(face as usize, at);
+    direction.as_vec3().to_array()
 }
 
 /// Uploads a square of floats, packed texel by texel.

@@ -67,7 +67,7 @@ impl Skin {
 
     /// The mesh in a pose: `pose[i]` moves what follows bone i from where it rests, in object space.
     ///
-    /// Tangents go by the blended matrix itself. Normals go by the cofactors of the blended matrix, so they stay right under uneven scales, and zero where it is
+    /// Tangents go by the blended matrix, normals by its cofactors, so they stay right under uneven scales, and zero where it is
     /// flattened to a line. The same bytes for any number of threads.
     ///
     /// # Errors

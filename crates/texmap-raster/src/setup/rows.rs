@@ -42,7 +42,7 @@ pub(super) fn rows(shape: &Shape<'_>) -> Rows {
     }
 }
 
-/// What pixels of a row share: its ends, and the two nodes about the pixel that was last asked for, with the attributes there.
+/// The part of a row that its pixels share: its ends, and the two nodes about the pixel that was last asked for, with the attributes there.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RowNodes {
     y: u32,

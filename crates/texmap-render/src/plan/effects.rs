@@ -62,11 +62,8 @@ impl<'s> SurfaceEffects<'s> {
         let normal = detail.map(|detail| normal_detail(detail, mesh, vertices, slot));
         let light_map = material.light_map.as_ref();
         let lightmap_uv = light_map.map(|_| vertices.push(Values::LightMapUv, false));
-        let baked = |index: usize| match light_map.map(|map| &map.baked) {
-            None => false,
-            Some(None) => index < scene.lights.len(),
-            Some(Some(all)) => all.contains(&index),
-        };
+        // Projectors come after the lights of the scene; no light map holds theirs.
+        let baked = |index: usize| index < scene.lights.len() && material.bakes(index);
         let lights = ready.lights.iter().copied().enumerate();
         Some(Box::new(Self {
             maps: [

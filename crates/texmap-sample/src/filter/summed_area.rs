@@ -83,7 +83,7 @@ impl SummedArea {
         let y = if view.flip { y.flipped(self.height) } else { y };
         let sum = y.sum(|row| x.sum(|column| self.sums[row * (self.width + 1) + column]));
         let area = x.length * y.length;
-        // Where both axes lie within the image nothing is left to the border.
+        // Nothing is left to the border if both axes lie within the image.
         let left = (area - x.inside * y.inside) / area;
         [0, 1, 2, 3].map(|k| {
             let mean = sum[k] / area;

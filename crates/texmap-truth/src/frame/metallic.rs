@@ -24,43 +24,41 @@ const STEPS: usize = 64;
 
 /// The albedos of lobes, each computed when a surface first has its roughness.
 pub(super) struct Albedos {
-    ggx: Vec<OnceLock<GgxAlbedo>>,
-    sheen: Vec<OnceLock<SheenAlbedo>>,
+    ggx: [OnceLock<GgxAlbedo>; STEPS + 1],
+    sheen: [OnceLock<SheenAlbedo>; STEPS + 1],
 }
 
 impl Default for Albedos {
     fn default() -> Self {
-        let empty = |_| OnceLock::new();
         Self {
-            ggx: (0..=STEPS).map(empty).collect(),
-            sheen: (0..=STEPS).map(|_| OnceLock::new()).collect(),
+            ggx: [const { OnceLock::new() }; STEPS + 1],
+            sheen: [const { OnceLock::new() }; STEPS + 1],
         }
     }
 }
 
 impl Albedos {
     fn ggx(&self, roughness: f32) -> GgxAlbedo {
-        let (low, part) = step(roughness);
-        let at = |k: usize| self.ggx[k].get_or_init(|| GgxAlbedo::new(of_step(k)));
-        at(low).mix(at(low + 1), part)
+        let ([low, high], part) = around(&self.ggx, roughness, GgxAlbedo::new);
+        low.mix(high, part)
     }
 
     fn sheen(&self, roughness: f32) -> SheenAlbedo {
-        let (low, part) = step(roughness);
-        let at = |k: usize| self.sheen[k].get_or_init(|| SheenAlbedo::new(of_step(k)));
-        at(low).mix(at(low + 1), part)
+        let ([low, high], part) = around(&self.sheen, roughness, SheenAlbedo::new);
+        low.mix(high, part)
     }
 }
 
-/// The step below a roughness, and the part of the way to the next.
-fn step(roughness: f32) -> (usize, f64) {
+/// The albedos at the steps below and above a roughness, and the part of the way from one to the other.
+fn around<T>(
+    made: &[OnceLock<T>; STEPS + 1],
+    roughness: f32,
+    new: impl Fn(f32) -> T,
+) -> ([&T; 2], f64) {
     let at = f64::from(roughness.clamp(0.0, 1.0)) * STEPS as f64;
     let low = (at as usize).min(STEPS - 1);
-    (low, at - low as f64)
-}
-
-fn of_step(k: usize) -> f32 {
-    k as f32 / STEPS as f32
+    let step = |k: usize| made[k].get_or_init(|| new(k as f32 / STEPS as f32));
+    ([step(low), step(low + 1)], at - low as f64)
 }
 
 /// A metallic-roughness model on a mesh, with its maps.

@@ -115,7 +115,7 @@ fn known(scene: &Scene, traces: bool) -> Result<(), TruthError> {
     }
     let unsupported = |place: String, what| Err(TruthError::Unsupported { place, what });
     if traces {
-        // What a mirror shows would be mapped twice.
+        // Light in a mirror would be mapped twice.
         let place = "scene".to_owned();
         return unsupported(place, "exposure or tone mapping in mirrors");
     }

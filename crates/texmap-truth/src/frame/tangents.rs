@@ -12,14 +12,14 @@ use super::surface::{linear, object_normals};
 pub(super) fn corner_tangents(mesh: &Mesh, set: UvSet) -> Vec<(DVec3, f64)> {
     let world = linear(mesh);
     let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let in_world = |[x, y, z, sign]: [f32; 4], up: f64| {
+        let tangent = (world * wide([x, y, z])).normalize_or_zero();
+        (tangent, f64::from(sign) * mirror * up)
+    };
     if !mesh.tangents.is_empty() {
         let corners = mesh.triangles.as_flattened().iter();
         return corners
-            .map(|v| {
-                let [x, y, z, sign] = mesh.tangents[*v as usize];
-                let tangent = (world * wide([x, y, z])).normalize_or_zero();
-                (tangent, f64::from(sign) * mirror)
-            })
+            .map(|v| in_world(mesh.tangents[*v as usize], 1.0))
             .collect();
     }
     let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
@@ -50,9 +50,5 @@ pub(super) fn corner_tangents(mesh: &Mesh, set: UvSet) -> Vec<(DVec3, f64)> {
     } else {
         1.0
     };
-    let in_world = |[x, y, z, sign]: [f32; 4]| {
-        let tangent = (world * wide([x, y, z])).normalize_or_zero();
-        (tangent, f64::from(sign) * mirror * up)
-    };
-    found.into_iter().map(in_world).collect()
+    found.into_iter().map(|t| in_world(t, up)).collect()
 }
