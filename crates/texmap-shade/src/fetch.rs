@@ -65,7 +65,7 @@ impl Texels {
 }
 
 /// Texels of a batch: packed bytes, or channel by channel.
-pub(crate) struct PackedTexels {
+pub struct PackedTexels {
     pub(crate) words: [u32; BATCH_STRIDE],
     pub(crate) colors: Colors,
     pub(crate) packed: bool,
@@ -82,9 +82,14 @@ impl Default for PackedTexels {
 }
 
 impl PackedTexels {
+    /// True if they are bytes: four of a pixel in one word.
+    pub fn is_packed(&self) -> bool {
+        self.packed
+    }
+
     /// The premultiplied colors from pixel `at` on.
     #[inline(always)]
-    pub(crate) fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 4] {
+    pub fn load<I: Isa>(&self, i: I, at: usize) -> [I::F32; 4] {
         if self.packed {
             unpack_lanes(i, i.load_u32(&self.words[at..at + I::LANES]))
         } else {
@@ -134,8 +139,21 @@ impl<'a> TexturePair<'a> {
         }
     }
 
+    /// The same pair, read by [`sample_bound_soa`] whatever its filters are: it gives the same bits in more time.
+    pub fn unpacked(self) -> Self {
+        Self {
+            views: None,
+            ..self
+        }
+    }
+
+    /// True if both textures have mips of the same sizes and one level of detail serves both.
+    pub fn shares_mips(&self) -> bool {
+        self.same_mips
+    }
+
     /// Reads the texels of a batch.
-    pub(crate) fn fetch(
+    pub fn fetch(
         &self,
         level: Level,
         planes: &AttributePlanes,
@@ -183,140 +201,15 @@ impl<'a> TexturePair<'a> {
 
 /// Columns that a [`TexturePair`] reads.
 #[derive(Default)]
-pub(crate) struct PairScratch {
+pub struct PairScratch {
     values: Varyings,
     addresses: TexelAddresses,
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use std::borrow::Cow;
-    use texmap_math::glam::{DMat4, DVec4};
-    use texmap_math::simd::Scalar;
-    use texmap_raster::{
-        BATCH_PIXELS, BinnedDraws, DrawCall, NO_PRIMITIVE, NoAlphaTest, TargetSize,
-    };
-    use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, Wrap};
-    use texmap_scene::TextureSlot;
-
-    pub(crate) fn noise(width: u32, height: u32) -> Texture2d<'static> {
-        bordered(width, height, 0)
-    }
-
-    /// Within a black border.
-    pub(crate) fn bordered(width: u32, height: u32, border: u32) -> Texture2d<'static> {
-        let mut seed = width * 31 + height;
-        let within = |i: u32, n: u32| (border..n - border).contains(&i);
-        let texels: Vec<u8> = (0..width * height)
-            .flat_map(|i| {
-                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                let [_, r, g, b] = seed.to_le_bytes();
-                match within(i % width, width) && within(i / width, height) {
-                    true => [r, g, b, 255],
-                    false => [0, 0, 0, 255],
-                }
-            })
-            .collect();
-        let texture =
-            Texture2d::from_rgba8(width, height, texels, ColorSpace::Linear, Origin::TopLeft);
-        texture.unwrap().with_mips()
-    }
-
-    pub(crate) fn sampler(filter: Filter, wrap: Wrap) -> Sampler {
-        Sampler {
-            filter,
-            wrap_u: wrap,
-            precision: Precision::Fast,
-            ..Sampler::default()
-        }
-    }
-
-    /// The bits of the color of a pixel.
-    pub(crate) fn bits(texels: &PackedTexels, at: usize) -> [u32; 3] {
-        let [r, g, b, _] = texels.load(Scalar, at);
-        [r, g, b].map(f32::to_bits)
-    }
-
-    /// Packed words are the texels that [`sample_soa`] gives, for each filter, wrap, origin and pair of sizes, with mips that both
-    /// textures share and mips of their own, in perspective and over the edge of two triangles.
-    #[test]
-    fn packed_words_are_the_texels_of_the_general_fetches() {
-        let level = Level::new();
-        let textures = [noise(64, 64), noise(64, 64), noise(16, 32)];
-        let corners = [[-1.3, -1.3], [1.3, -1.3], [1.3, 1.3], [-1.3, 1.3]];
-        let draw = DrawCall {
-            positions: &corners.map(|[x, y]| [x, y, 0.0]),
-            indices: &[[0, 1, 2], [0, 2, 3]],
-            // w is 1 + 0.4 y.
-            clip_from_object: DMat4::from_cols(
-                DVec4::X,
-                DVec4::new(0.0, 1.0, 0.0, 0.4),
-                DVec4::ZERO,
-                DVec4::new(0.0, 0.0, 0.3, 1.0),
-            ),
-            attributes: &[-0.4, 0.2, 3.3, -0.3, 1.1, 2.7, 0.1, 5.9],
-            attribute_count: 2,
-            ..DrawCall::default()
-        };
-        let size = TargetSize::new(64, 64).unwrap();
-        let prepared = BinnedDraws::with_level(size, &[draw], level, 1).unwrap();
-        let (mut blocks, mut planes) = (TileVisibility::new(), AttributePlanes::new());
-        prepared.visible_blocks(0, &NoAlphaTest, &mut blocks);
-        prepared.planes(0, &mut planes);
-        let all = blocks.masks.iter().enumerate();
-        let all = all
-            .filter(|(_, mask)| **mask != 0)
-            .map(|(k, mask)| FragmentBlock {
-                block: k as u16,
-                mask: *mask,
-                slot: NO_PRIMITIVE,
-            });
-        let list: Vec<FragmentBlock> = all.collect();
-        assert!(list.len() > 150, "{}", list.len());
-        let (mut shared, mut compared) = (0, 0);
-        for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
-            for wrap in [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat] {
-                for (second, origin) in [
-                    (1, Origin::TopLeft),
-                    (1, Origin::BottomLeft),
-                    (2, Origin::TopLeft),
-                ] {
-                    let slots = [0, second].map(|texture: usize| {
-                        let texture = textures[texture].clone().with_origin(origin);
-                        let sampler = Cow::Owned(sampler(filter, wrap));
-                        Slot::new(texture, sampler, &TextureSlot::new(0))
-                    });
-                    let packed = TexturePair::new(slots.each_ref().map(Some));
-                    assert!(packed.views.is_some(), "{filter:?} {wrap:?}");
-                    let general = TexturePair {
-                        views: None,
-                        ..TexturePair::new(slots.each_ref().map(Some))
-                    };
-                    shared += u32::from(packed.same_mips);
-                    let mut scratch = PairScratch::default();
-                    let mut words: [PackedTexels; 2] = Default::default();
-                    let mut floats: [PackedTexels; 2] = Default::default();
-                    for batch in list.chunks(BATCH_PIXELS / LANES) {
-                        packed.fetch(level, &planes, &blocks, batch, &mut scratch, &mut words);
-                        general.fetch(level, &planes, &blocks, batch, &mut scratch, &mut floats);
-                        for (words, floats) in words.iter().zip(&floats) {
-                            assert!(words.packed && !floats.packed);
-                            for (k, at) in batch.iter().enumerate() {
-                                for bit in crate::batch::set_bits(at.mask) {
-                                    let at = k * LANES + bit;
-                                    let (a, b) = (bits(words, at), bits(floats, at));
-                                    assert_eq!(a, b, "{filter:?} {wrap:?} {at}");
-                                    compared += 1;
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        assert!(shared > 5 && compared > 100_000, "{shared} {compared}");
-    }
+    use texmap_raster::BATCH_PIXELS;
 
     /// Unpacked bytes are whole numbers over 255 at every width.
     #[test]

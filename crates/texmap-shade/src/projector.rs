@@ -51,7 +51,7 @@ pub struct ProjectorTexels {
 
 impl ProjectorTexels {
     /// True if the projector reaches some pixel of a block.
-    pub(crate) fn reaches(&self, block: usize) -> bool {
+    pub fn reaches(&self, block: usize) -> bool {
         self.place[block].is_some()
     }
 
@@ -75,8 +75,13 @@ impl<'a> ProjectorStage<'a> {
         }
     }
 
+    /// The same stage, read by [`sample_soa`] whatever the filter is: it gives the same bits in more time.
+    pub fn unpacked(self) -> Self {
+        Self { view: None, ..self }
+    }
+
     /// Reads the texels of `blocks` blocks at positions, whose changes are there if the filter reads derivatives.
-    pub(crate) fn fetch(
+    pub fn fetch(
         &self,
         level: Level,
         position: &[Varying; 3],
@@ -146,105 +151,5 @@ impl<'a> ProjectorStage<'a> {
             count += usize::from(reached);
         }
         count
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fetch::tests::{bordered, noise, sampler};
-    use texmap_light::{ProjectorBorder, ProjectorTexture};
-    use texmap_math::Projector;
-    use texmap_math::glam::DVec3;
-    use texmap_math::simd::Scalar;
-    use texmap_raster::BATCH_PIXELS;
-    use texmap_sample::{Filter, Wrap};
-
-    /// The packed words of a projector are its texels. Blocks that it does not reach have none, and pixels do not depend on each other.
-    #[test]
-    fn packed_words_of_projectors_are_their_texels() {
-        let level = Level::new();
-        let textures = [noise(32, 32), bordered(32, 32, 1)];
-        let projector = Projector::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0).unwrap();
-        // Steps of a fraction of a texel up to several.
-        let step = |k: f32| core::array::from_fn(|i| k * (1 + i % 29) as f32);
-        let axis = |value: [f32; BATCH_STRIDE], right: f32, down: f32| Varying {
-            value,
-            ddx: step(right),
-            ddy: step(down),
-        };
-        let position = [
-            axis(
-                core::array::from_fn(|i| (i % 37) as f32 * 0.09 - 0.6),
-                0.003,
-                0.004,
-            ),
-            axis(
-                core::array::from_fn(|i| (i % 23) as f32 * 0.13 - 1.4),
-                -0.001,
-                0.003,
-            ),
-            // The first lie behind the projector.
-            axis(
-                core::array::from_fn(|i| match i {
-                    0..32 => 2.0,
-                    _ => -1.0 - (i % 5) as f32 * 0.3,
-                }),
-                0.004,
-                -0.001,
-            ),
-        ];
-        // The last reaches no further than its picture, which is then read as if it were repeated.
-        let borders = [
-            (0, ProjectorBorder::Black, 0.2),
-            (0, ProjectorBorder::Clamp, 0.0),
-            (1, ProjectorBorder::Clamp, 0.0),
-        ];
-        for filter in [Filter::Nearest, Filter::Bilinear, Filter::Trilinear] {
-            for (texture, border, softness) in borders {
-                let sampler = sampler(filter, Wrap::Repeat);
-                let view = BoundProjectorTexture::new(&ProjectorTexture {
-                    projector,
-                    texture: &textures[texture],
-                    sampler: &sampler,
-                    border,
-                    softness,
-                });
-                let projected = Projected {
-                    view,
-                    position: [0.0; 3],
-                    shadow: None,
-                };
-                let packed = ProjectorStage::new(&projected);
-                let general = ProjectorStage {
-                    projected: &projected,
-                    view: None,
-                };
-                let (mut words, mut floats) = <(ProjectorTexels, ProjectorTexels)>::default();
-                let count = BATCH_PIXELS / LANES;
-                packed.fetch(level, &position, count, &mut words);
-                general.fetch(level, &position, count, &mut floats);
-                let mut reached = 0;
-                for block in 0..count {
-                    reached += usize::from(words.reaches(block));
-                    for pixel in 0..LANES {
-                        let [a, b] = [&words, &floats].map(|texels| {
-                            let color = texels.load(Scalar, block, pixel)?;
-                            Some(color.map(f32::to_bits))
-                        });
-                        assert_eq!(a, b, "{filter:?} {border:?} {block}");
-                        let at = block * LANES + pixel;
-                        let of = |pick: fn(&Varying) -> &[f32; BATCH_STRIDE]| {
-                            position.each_ref().map(|column| pick(column)[at])
-                        };
-                        let changes = [of(|c| &c.ddx), of(|c| &c.ddy)];
-                        let alone = projected.view.light(of(|c| &c.value), changes);
-                        let [r, g, b, _] = b.map_or([0.0; 4], |c| c.map(f32::from_bits));
-                        assert_eq!([r, g, b], [alone[0], alone[1], alone[2]]);
-                    }
-                }
-                assert!(reached > 4 && reached < count, "{reached}");
-            }
-        }
     }
 }

@@ -14,6 +14,7 @@ mod floor;
 mod gouraud;
 mod light;
 mod metallic;
+mod packed;
 mod parallel;
 mod reliefs;
 mod round;

@@ -431,13 +431,13 @@ fn stage<I: ByteIsa>(
     }
 }
 
-/// [`stage`] by the kernel of a bound texture. Each kernel is a function of its own: one with all of them takes minutes to compile.
+/// [`stage`] by the kernel of a bound texture. Each kernel is a function of its own: one with all of them takes minutes to compile. The
+/// long ones exist at the width of their level alone, for the same reason.
 macro_rules! stages {
-    ($($name:ident: $i:ident, $view:ident, $uv:ident, $d:ident => $look_up:expr;)*) => {$(
+    ($($name:ident($($wide:ident)?): $i:ident, $view:ident, $uv:ident, $d:ident => $look_up:expr;)*) => {$(
         #[inline(never)]
         fn $name(
             level: Level,
-            wide: bool,
             $view: &BoundTexture<'_>,
             at: &Places,
             d: &[Vec<f32>; 4],
@@ -453,23 +453,21 @@ macro_rules! stages {
             ) {
                 stage($i, at, d, out, #[inline(always)] |$uv, $d| $look_up);
             }
-            if wide {
-                dispatch_simd!(level, wide i => run(i, $view, at, d, out));
-            } else {
-                dispatch_simd!(level, i => run(i, $view, at, d, out));
-            }
+            dispatch_simd!(level, $($wide)? i => run(i, $view, at, d, out));
         }
     )*};
 }
 
 stages! {
-    nearest: i, view, uv, _d => packed::nearest_lanes(i, view, uv[0], uv[1]);
-    bilinear: i, view, uv, _d => packed::bilinear_lanes(i, view, uv[0], uv[1]);
-    trilinear: i, view, uv, d => {
+    nearest(): i, view, uv, _d => packed::nearest_lanes(i, view, uv[0], uv[1]);
+    nearest_wide(wide): i, view, uv, _d => packed::nearest_lanes(i, view, uv[0], uv[1]);
+    bilinear(): i, view, uv, _d => packed::bilinear_lanes(i, view, uv[0], uv[1]);
+    bilinear_wide(wide): i, view, uv, _d => packed::bilinear_lanes(i, view, uv[0], uv[1]);
+    trilinear(): i, view, uv, d => {
         let d = FootprintLanes::new(i, view, d[0], d[1], d[2], d[3]);
         packed::trilinear_lanes(i, view, uv[0], uv[1], packed::lod_lanes(i, view, &d))
     };
-    anisotropic: i, view, uv, d => {
+    anisotropic(): i, view, uv, d => {
         let d = FootprintLanes::new(i, view, d[0], d[1], d[2], d[3]);
         packed::anisotropic_lanes(i, view, uv[0], uv[1], &d)
     };
@@ -507,17 +505,18 @@ fn stages_give_the_bits_of_single_samples_on_every_level_and_width() {
                         u32::from_le_bytes(c.map(texmap_math::color::unit_to_u8))
                     })
                     .collect();
-                let stage = match view.kind {
-                    Kernel::Nearest => nearest,
-                    Kernel::Bilinear => bilinear,
-                    Kernel::Trilinear => trilinear,
-                    _ => anisotropic,
-                };
+                let stages: &[fn(_, &BoundTexture<'_>, &Places, &[Vec<f32>; 4], &mut [u32])] =
+                    match view.kind {
+                        Kernel::Nearest => &[nearest, nearest_wide],
+                        Kernel::Bilinear => &[bilinear, bilinear_wide],
+                        Kernel::Trilinear => &[trilinear],
+                        _ => &[anisotropic],
+                    };
                 for (name, level) in levels() {
-                    for wide in [false, true] {
+                    for (form, stage) in stages.iter().enumerate() {
                         out.fill(0);
-                        stage(level, wide, &view, &places, &d, &mut out);
-                        assert_eq!(out, want, "{filter:?} {wrap_u:?} {name}, wide: {wide}");
+                        stage(level, &view, &places, &d, &mut out);
+                        assert_eq!(out, want, "{filter:?} {wrap_u:?} {name}, form {form}");
                     }
                 }
             }

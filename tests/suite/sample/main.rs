@@ -14,5 +14,6 @@ mod resampling;
 mod shapes;
 mod summed_area;
 mod support;
+mod volume_rays;
 mod volumes;
 mod wraps;
