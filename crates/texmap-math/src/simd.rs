@@ -39,6 +39,7 @@ mod wide;
 
 pub use crate::lanes::GatherTable;
 pub use bytes::{ByteHalves, ByteIsa};
+pub use dispatch::KernelLevel;
 pub use encode::{encode_srgb8, encode_unorm8};
 pub use fearless_simd::Level;
 pub use isa::{Compare, F32s, Float, I32s, Int, Isa, Mask, Number, Select, U32s};
