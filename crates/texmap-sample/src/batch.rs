@@ -4,7 +4,6 @@ use crate::{
     address::lod::TexelFootprint,
     bound_texture::{BoundTexture, RGBA8},
     error::SampleError,
-    fetch::Color,
     filter::{ByteKernel, FilterKernel, LookUp, Run, Single, run},
     rgba8,
     sampler::Sampler,
@@ -121,8 +120,17 @@ pub struct Places<'a> {
     pub gradients: Option<[&'a [f32]; 4]>,
 }
 
-impl Places<'_> {
-    fn check(&self, out: usize) -> Result<(), SampleError> {
+impl<'a> Places<'a> {
+    /// Those of a range.
+    pub(crate) fn part(&self, range: core::ops::Range<usize>) -> Self {
+        Self {
+            u: &self.u[range.clone()],
+            v: &self.v[range.clone()],
+            gradients: self.gradients.map(|all| all.map(|c| &c[range.clone()])),
+        }
+    }
+
+    pub(crate) fn check(&self, out: usize) -> Result<(), SampleError> {
         check("v", self.u.len(), self.v.len())?;
         check("out", self.u.len(), out)?;
         for column in self.gradients.iter().flatten() {
@@ -191,7 +199,7 @@ pub fn is_exact_in_rgba8(sampler: &Sampler, t: &Texture2d<'_>) -> bool {
 }
 
 /// Look-ups that go through a buffer at a time.
-const PART: usize = 256;
+pub(crate) const PART: usize = 256;
 
 pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(), SampleError> {
     if expected == got {
@@ -437,7 +445,12 @@ fn unpack_columns<I: Isa>(i: I, words: &[u32], mut out: [&mut [f32]; 4]) {
 
 /// Stores as many as there are lanes from `first` on, or as many as there are.
 #[inline(always)]
-pub(crate) fn store_columns<I: Isa>(_: I, c: Color<I>, first: usize, out: &mut [&mut [f32]; 4]) {
+pub(crate) fn store_columns<I: Isa, const N: usize>(
+    _: I,
+    c: [I::F32; N],
+    first: usize,
+    out: &mut [&mut [f32]; N],
+) {
     for (c, out) in c.iter().zip(out) {
         let out = &mut out[first..];
         if out.len() >= I::LANES {

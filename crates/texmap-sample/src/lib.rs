@@ -45,9 +45,9 @@ mod atlas;
 mod batch;
 mod blocks;
 mod bound_texture;
-mod color_ramp;
 mod compare;
 mod cube;
+mod dependent;
 mod encoded;
 mod error;
 mod fetch;
@@ -76,6 +76,7 @@ pub use batch::{
 pub use blocks::{BlockFormat, BlockImage};
 pub use compare::Compare;
 pub use cube::{DirectionBatch, TextureCube, cube_direction, cube_face, sample_cube_soa};
+pub use dependent::sample_dependent_soa;
 pub use error::SampleError;
 pub use pattern::{Pattern, gradient_noise};
 pub use resample::{EdgeMode, Resample};

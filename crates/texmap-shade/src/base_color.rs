@@ -5,7 +5,7 @@ use texmap_math::simd::{Isa, Scalar};
 use texmap_raster::Varyings;
 
 use crate::Slot;
-use crate::batch::{Colors, columns, load_vector, parts, straight};
+use crate::batch::{Colors, LANES, columns, load_vector, parts, straight};
 use crate::fetch::{PackedTexels, Texels, footprint_at};
 use crate::solid::SolidStage;
 use crate::stage::{Inputs, Kernel, ShadeColumns};
@@ -64,15 +64,11 @@ impl BaseColor<'_> {
         if let Some(slot) = self.texture {
             let uv = inputs.uv_of(slot);
             out.texture.fetch(level, slot, uv, blocks);
-            let colors = &mut out.texture.colors;
             if let (Some(ramp), None) = (self.ramp, self.solid) {
-                for (at, ..) in batch.fragments() {
-                    let (place, d) = footprint_at(uv, at);
-                    let [.., keep] = colors.get(at);
-                    colors.set(at, slot.dependent(place, d, ramp).map(|c| c * keep));
-                }
+                out.texture.fetch_along(level, [slot, ramp], uv, blocks);
             }
             if self.antialiased {
+                let colors = &mut out.texture.colors;
                 for (at, ..) in batch.fragments() {
                     let (place, d) = footprint_at(uv, at);
                     let texel = colors.get(at);
@@ -91,10 +87,9 @@ impl BaseColor<'_> {
         if let Some(solid) = self.solid {
             solid.fetch(level, batch, &mut out.solid);
             if let Some(ramp) = self.ramp {
-                for (at, ..) in batch.fragments() {
-                    let [value, ..] = out.solid.get(at);
-                    out.solid.set(at, ramp.along(value));
-                }
+                let [values, ..] = out.solid.0;
+                let count = blocks * LANES;
+                ramp.along(level, &values[..count], out.solid.columns_mut(count));
             }
         }
     }

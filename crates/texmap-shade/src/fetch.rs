@@ -6,7 +6,7 @@ use texmap_math::{Footprint, Level};
 use texmap_raster::{AttributePlanes, BATCH_STRIDE, FragmentBlock, TileVisibility, Varyings};
 use texmap_sample::lanes::packed::unpack_lanes;
 use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
-use texmap_sample::{Places, sample_soa};
+use texmap_sample::{Places, sample_dependent_soa, sample_soa};
 
 use crate::Slot;
 use crate::batch::{Colors, LANES, straight};
@@ -18,15 +18,14 @@ pub(crate) fn pixel_samples<'a>(slot: &Slot<'_>, values: &'a Varyings, count: us
     Places {
         u: &u.value[..count],
         v: &v.value[..count],
-        gradients: slot.reads_derivatives().then(|| {
-            [
-                &u.ddx[..count],
-                &v.ddx[..count],
-                &u.ddy[..count],
-                &v.ddy[..count],
-            ]
-        }),
+        gradients: slot.reads_derivatives().then(|| gradients(values, count)),
     }
+}
+
+/// The derivatives of columns 0 and 1.
+fn gradients(values: &Varyings, count: usize) -> [&[f32]; 4] {
+    let [u, v] = [&values.varyings[0], &values.varyings[1]];
+    [&u.ddx, &v.ddx, &u.ddy, &v.ddy].map(|column| &column[..count])
 }
 
 /// The coordinates of a pixel, and their footprint.
@@ -42,6 +41,8 @@ pub(crate) struct Texels {
     /// Coordinates of the slot, where it has some of its own.
     placed: Varyings,
     pub(crate) colors: Colors,
+    /// Texels of a ramp.
+    along: Colors,
 }
 
 impl Texels {
@@ -55,6 +56,33 @@ impl Texels {
         );
         sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
             .expect("the columns have one length");
+    }
+
+    /// Looks the first channel of a texture up along a ramp, by the change of both; the alpha of the texture, which
+    /// [`fetch`](Self::fetch) has read, stays a factor.
+    pub(crate) fn fetch_along(
+        &mut self,
+        level: Level,
+        [slot, ramp]: [&Slot<'_>; 2],
+        uv: &Varyings,
+        blocks: usize,
+    ) {
+        let count = blocks * LANES;
+        let uv = slot.placed(uv, count, &mut self.placed);
+        let at = Places {
+            gradients: Some(gradients(uv, count)),
+            ..pixel_samples(slot, uv, count)
+        };
+        let [first, second] = [slot, ramp].map(|s| (&*s.sampler, &s.texture));
+        let along = self.along.columns_mut(count);
+        sample_dependent_soa(level, first, second, &at, along)
+            .expect("the columns have one length");
+        let [.., alpha] = self.colors.0;
+        for (color, along) in self.colors.0.iter_mut().zip(&self.along.0) {
+            for ((color, along), keep) in color.iter_mut().zip(along).zip(&alpha).take(count) {
+                *color = along * keep;
+            }
+        }
     }
 
     /// The straight colors from pixel `at` on: black where alpha is 0.

@@ -2,9 +2,10 @@
 
 use texmap_math::color::luminance;
 use texmap_math::simd::{Isa, Scalar};
+use texmap_raster::BATCH_STRIDE;
 
 use crate::Slot;
-use crate::batch::{parts, straight};
+use crate::batch::{LANES, parts, straight};
 use crate::stage::{Inputs, Kernel, ShadeColumns, Stage};
 
 /// Baked light, added to the diffuse light.
@@ -141,9 +142,16 @@ pub struct LightRamp<'a>(pub &'a Slot<'a>);
 
 impl Stage for LightRamp<'_> {
     fn run(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        for (at, ..) in inputs.batch.fragments() {
-            let along = self.0.along(luminance(columns.diffuse.get(at)));
-            columns.diffuse.set(at, straight(Scalar, along));
+        let count = inputs.batch.list.len() * LANES;
+        let mut along = [0.0; BATCH_STRIDE];
+        for (at, along) in along[..count].iter_mut().enumerate() {
+            *along = luminance(columns.diffuse.get(at));
+        }
+        let texels = &mut columns.texels.colors;
+        let out = texels.columns_mut(count);
+        self.0.along(inputs.level, &along[..count], out);
+        for at in 0..count {
+            columns.diffuse.set(at, straight(Scalar, texels.get(at)));
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use texmap_math::Footprint;
-use texmap_raster::Varyings;
-use texmap_sample::{Sampler, Texture2d, UvTransform, Wrap};
+use texmap_math::{Footprint, Level};
+use texmap_raster::{BATCH_STRIDE, Varyings};
+use texmap_sample::{Places, Sampler, Texture2d, UvTransform, Wrap, sample_soa};
 use texmap_scene::{TextureSlot, UvSet};
 
 /// A texture as one mesh reads it.
@@ -119,17 +119,16 @@ impl Slot<'_> {
         self.sampler.sample_grad(&self.texture, uv, d)
     }
 
-    /// The texel of a ramp at 0 to 1 along it: linear, premultiplied.
-    pub fn along(&self, place: f32) -> [f32; 4] {
-        self.sampler.sample_lod(&self.texture, [place, 0.5], 0.0)
-    }
-
-    /// The texel of a ramp where the first channel of this texture points, by the change of both.
-    pub fn dependent(&self, uv: [f32; 2], d: Footprint, ramp: &Slot<'_>) -> [f32; 4] {
-        let (uv, d) = self.place(uv, d);
-        let (sampler, texture) = (&ramp.sampler, &ramp.texture);
-        self.sampler
-            .sample_through_ramp(&self.texture, uv, d, sampler, texture)
+    /// The texels of a ramp at numbers from 0 to 1 along it: linear, premultiplied.
+    pub(crate) fn along(&self, level: Level, at: &[f32], out: [&mut [f32]; 4]) {
+        let v = &[0.5; BATCH_STRIDE][..at.len()];
+        let places = Places {
+            u: at,
+            v,
+            gradients: None,
+        };
+        sample_soa(level, &self.sampler, &self.texture, &places, out)
+            .expect("the columns have one length");
     }
 
     /// Fraction of a pixel inside of the outline where alpha is a half; `alpha` is that of the filter.

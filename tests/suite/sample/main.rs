@@ -3,6 +3,7 @@
 mod blocks;
 mod conformance;
 mod cubes;
+mod dependent;
 mod encoded;
 mod filters;
 mod hostile;
