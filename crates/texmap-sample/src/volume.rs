@@ -16,7 +16,7 @@ use crate::{
     texture::{Image, Texture2d},
     upload::upload,
 };
-use texmap_math::simd::Scalar;
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 /// A texture along a line: a ramp, a table.
 #[derive(Clone, Debug)]
@@ -128,14 +128,20 @@ impl Texture3d<'_> {
     /// The level of detail where one pixel to the right moves (u, v, w) by `dx` and one down by `dy`: log2 of the longer in
     /// texels, without the bias and the limits that the look-up adds.
     pub fn lod(&self, dx: [f32; 3], dy: [f32; 3]) -> f32 {
+        self.lod_lanes(Scalar, dx, dy)
+    }
+
+    /// [`lod`](Self::lod) for each lane.
+    #[doc(hidden)]
+    #[inline(always)]
+    pub fn lod_lanes<I: Isa>(&self, i: I, dx: [I::F32; 3], dy: [I::F32; 3]) -> I::F32 {
         let base = &self.chain.levels[0];
         let size = [base.width as f32, base.height as f32, base.depth as f32];
-        let squared = |d: [f32; 3]| {
-            let d = [0, 1, 2].map(|k| lod::tame(Scalar, d[k] * size[k]));
-            d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-        };
-        let (x, y) = (squared(dx), squared(dy));
-        0.5 * lod::log2(Scalar, if x > y { x } else { y })
+        let [x, y] = [dx, dy].map(|d| {
+            let [x, y, z] = [0, 1, 2].map(|k| lod::tame(i, d[k] * size[k]));
+            x * x + y * y + z * z
+        });
+        lod::log2(i, x.above(y)) * 0.5
     }
 }
 

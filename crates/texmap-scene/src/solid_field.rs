@@ -49,6 +49,15 @@ impl<'s> SolidField<'s> {
         }
     }
 
+    /// The grid, the sampler that reads it and the wrap of its slices, if it is one and no pattern.
+    #[must_use]
+    pub fn grid(&self) -> Option<(&'s Texture3d<'static>, &'s Sampler, Wrap)> {
+        match self.source {
+            Source::Grid(grid, sampler, wrap_w) => Some((grid, sampler, wrap_w)),
+            Source::Pattern(_) => None,
+        }
+    }
+
     /// The first three rows of the matrix from world space to the space of the texture.
     #[must_use]
     pub fn rows(&self) -> [[f32; 4]; 3] {

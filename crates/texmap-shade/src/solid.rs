@@ -4,9 +4,9 @@ use texmap_light::lanes::{Vector, dot};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{BATCH_STRIDE, Varying};
-use texmap_sample::Pattern;
+use texmap_sample::{Pattern, Texture3d, UvwBatch, sample_3d_soa};
 
-use crate::batch::{Batch, Colors, LANES, columns, load_changes, load_vector};
+use crate::batch::{Batch, Colors, Columns, LANES, columns, load_changes, load_vector};
 use texmap_scene::{Effects, SolidField, SolidTexture};
 
 /// A solid texture as the stages read it.
@@ -28,20 +28,38 @@ impl<'s> SolidStage<'s> {
     /// The colors of a batch, premultiplied; a pattern gives its value in all three channels.
     pub(crate) fn fetch(&self, level: Level, batch: &Batch<'_>, out: &mut Colors) {
         let position: &[Varying; 3] = columns(batch.values, self.position);
+        let count = batch.list.len() * LANES;
+        if let Some((grid, sampler, wrap_w)) = self.field.grid() {
+            let mut at = Columns::default();
+            dispatch_simd!(level, i => self.texels(i, grid, position, count, &mut at));
+            let [u, v, w, lod] = at.columns(count);
+            let lod = Some(lod);
+            let at = UvwBatch { u, v, w, lod };
+            sample_3d_soa(level, sampler, grid, wrap_w, &at, out.columns_mut(count))
+                .expect("the columns have one length");
+        }
         if let Some(pattern) = self.field.pattern() {
             let [r, g, b, a] = &mut out.0;
-            let count = batch.list.len() * LANES;
             dispatch_simd!(level, i => self.values(i, &pattern, position, count, r));
             g[..count].copy_from_slice(&r[..count]);
             b[..count].copy_from_slice(&r[..count]);
             a[..count].fill(1.0);
-            return;
         }
-        for (at, ..) in batch.fragments() {
-            let value = position.each_ref().map(|c| c.value[at]);
-            let dx = position.each_ref().map(|c| c.ddx[at]);
-            let dy = position.each_ref().map(|c| c.ddy[at]);
-            out.set(at, self.field.color(value, dx, dy));
+    }
+
+    /// Coordinates in a grid and levels of detail.
+    #[inline(always)]
+    fn texels<I: Isa>(
+        &self,
+        i: I,
+        grid: &Texture3d<'_>,
+        position: &[Varying; 3],
+        count: usize,
+        out: &mut Columns<4>,
+    ) {
+        for at in (0..count).step_by(I::LANES) {
+            let ([u, v, w], [dx, dy]) = self.place(i, position, at);
+            out.store(i, at, [u, v, w, grid.lod_lanes(i, dx, dy)]);
         }
     }
 
@@ -55,16 +73,27 @@ impl<'s> SolidStage<'s> {
         out: &mut [f32; BATCH_STRIDE],
     ) {
         for at in (0..count).step_by(I::LANES) {
-            let mut place = self.along(i, load_vector(i, position, at));
-            for (c, row) in place.iter_mut().zip(self.field.rows()) {
-                *c = *c + row[3];
-            }
-            let [dx, dy] = load_changes(i, position, at);
-            let (dx, dy) = (self.along(i, dx), self.along(i, dy));
+            let (place, [dx, dy]) = self.place(i, position, at);
             let width = dot(dx, dx).above(dot(dy, dy)).sqrt();
             let value = pattern.value_lanes(i, place, width);
             value.store(&mut out[at..at + I::LANES]);
         }
+    }
+
+    /// Points in the space of the texture, and their changes to the right and down.
+    #[inline(always)]
+    fn place<I: Isa>(
+        &self,
+        i: I,
+        position: &[Varying; 3],
+        at: usize,
+    ) -> (Vector<I>, [Vector<I>; 2]) {
+        let mut place = self.along(i, load_vector(i, position, at));
+        for (c, row) in place.iter_mut().zip(self.field.rows()) {
+            *c = *c + row[3];
+        }
+        let [dx, dy] = load_changes(i, position, at);
+        (place, [self.along(i, dx), self.along(i, dy)])
     }
 
     /// A vector in the space of the texture.
