@@ -54,6 +54,8 @@ pub(crate) struct RowNodes {
     nodes: [f64; 2],
     /// Perspective attributes at both.
     values: [[f64; 2]; MAX_ATTRIBUTES],
+    /// Their changes to the right between the two.
+    slopes: [f32; MAX_ATTRIBUTES],
 }
 
 /// Division of a row into parts.
@@ -75,6 +77,17 @@ enum Parts {
 impl RowNodes {
     pub(crate) fn is_of(&self, y: u32) -> bool {
         self.y == y
+    }
+
+    /// True if `px` lies between the two nodes that are known, on none that it may share with the parts beside.
+    fn holds(&self, px: f64) -> bool {
+        let [a, b] = self.nodes;
+        match self.parts {
+            Parts::Whole => !self.number.is_nan(),
+            Parts::Pixels(_) => a <= px && px < b,
+            Parts::Roots { .. } => a < px && px < b,
+            Parts::Exact => false,
+        }
     }
 
     /// The nodes about `px` and the number of the left one.
@@ -160,6 +173,7 @@ impl TriangleSetup {
             number: f64::NAN,
             nodes: [0.0; 2],
             values: [[0.0; 2]; MAX_ATTRIBUTES],
+            slopes: [0.0; MAX_ATTRIBUTES],
         })
     }
 
@@ -176,20 +190,25 @@ impl TriangleSetup {
         let Some(ends) = row.ends else {
             return;
         };
-        let (number, [a, b]) = row.about(self, ends, px);
-        let length = b - a;
-        if length.is_nan() || length <= 0.0 {
-            return;
-        }
-        if row.number != number {
-            (row.number, row.nodes) = (number, [a, b]);
-            let [wa, wb] = [self.w_at(a, py), self.w_at(b, py)];
-            for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
-                let at = |x: f64, w: f64| ranged.clamp(Scalar, ranged.at(Scalar, x, py) / w);
-                row.values[k] = [at(a, wa), at(b, wb)];
+        if !row.holds(px) {
+            let (number, nodes) = row.about(self, ends, px);
+            let length = nodes[1] - nodes[0];
+            if length.is_nan() || length <= 0.0 {
+                return;
+            }
+            if row.number != number {
+                (row.number, row.nodes) = (number, nodes);
+                let w = nodes.map(|x| self.w_at(x, py));
+                for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
+                    let at = |x: f64, w: f64| ranged.clamp(Scalar, ranged.at(Scalar, x, py) / w);
+                    let [ua, ub] = [at(nodes[0], w[0]), at(nodes[1], w[1])];
+                    row.values[k] = [ua, ub];
+                    row.slopes[k] = finite(Scalar, (ub - ua) / length) as f32;
+                }
             }
         }
-        let t = (px - a) / length;
+        let [a, b] = row.nodes;
+        let t = (px - a) / (b - a);
         for (k, ranged) in self.attributes[..self.count].iter().enumerate() {
             if self.is_linear(k) {
                 continue;
@@ -197,7 +216,7 @@ impl TriangleSetup {
             let [ua, ub] = row.values[k];
             let between = (ua * (1.0 - t) + ub * t) as f32;
             let value = F32s::<Scalar>::clamp(between, ranged.lo, ranged.hi);
-            put(k, value, finite(Scalar, (ub - ua) / length) as f32);
+            put(k, value, row.slopes[k]);
         }
     }
 
