@@ -225,32 +225,33 @@ impl<'g, I: Isa> Stamp<'g, I> {
     #[inline(always)]
     fn stamp<K: Sink<I>>(&self, sink: &mut K) {
         let (group, k) = (self.group, self.triangle);
-        let (x0, y0, x1, y1) = (group.x0[k], group.y0[k], group.x1[k], group.y1[k]);
-        let whole = (x1 - x0 + 1) * (y1 - y0 + 1) <= HIERARCHY;
-        // A small triangle is one part; a larger one is seen in 16x16 blocks.
-        let shift = if whole { 6 } else { 4 };
-        let reach = (1 << shift) - 1;
-        for by in y0 >> shift..=y1 >> shift {
-            for bx in x0 >> shift..=x1 >> shift {
-                let (x, y) = (bx << shift, by << shift);
-                let part = [
-                    x.max(x0),
-                    y.max(y0),
-                    (x + reach).min(x1),
-                    (y + reach).min(y1),
-                ];
-                let covered = if whole {
-                    Part::Some
-                } else {
-                    quarter(group, k, x, y)
-                };
-                match covered {
-                    Part::None => {}
-                    Part::All if part == [x, y, x + 15, y + 15] => self.fill(x, y, sink),
-                    _ => self.scan(part, sink),
-                }
-            }
+        let [x0, y0, x1, y1] = [group.x0[k], group.y0[k], group.x1[k], group.y1[k]];
+        if (x1 - x0 + 1) * (y1 - y0 + 1) <= HIERARCHY {
+            self.scan([x0, y0, x1, y1], sink);
+        } else {
+            self.quarters([x0, y0, x1, y1], sink);
         }
+    }
+
+    /// A large triangle in 16x16 blocks. Out of line: small ones, which are more, have the registers for themselves.
+    #[inline(never)]
+    fn quarters<K: Sink<I>>(&self, [x0, y0, x1, y1]: [i32; 4], sink: &mut K) {
+        self.i.vectorize(
+            #[inline(always)]
+            || {
+                for by in y0 >> 4..=y1 >> 4 {
+                    for bx in x0 >> 4..=x1 >> 4 {
+                        let (x, y) = (bx << 4, by << 4);
+                        let part = [x.max(x0), y.max(y0), (x + 15).min(x1), (y + 15).min(y1)];
+                        match quarter(self.group, self.triangle, x, y) {
+                            Part::None => {}
+                            Part::All if part == [x, y, x + 15, y + 15] => self.fill(x, y, sink),
+                            _ => self.scan(part, sink),
+                        }
+                    }
+                }
+            },
+        );
     }
 
     /// The blocks of a box, each tested. The box may end within a block: the box of a triangle holds all it covers in the tile.

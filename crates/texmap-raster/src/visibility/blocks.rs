@@ -19,7 +19,7 @@ use crate::{BinnedDraws, DepthTest, DrawCall, Pass};
 pub const SAMPLES_4: [[i32; 2]; 4] = [[-32, -96], [96, -32], [-96, 32], [32, 96]];
 
 /// Pixels of a tile.
-const PIXELS: usize = (TILE * TILE) as usize;
+pub(crate) const PIXELS: usize = (TILE * TILE) as usize;
 
 /// Depth and fragment of a tile's pixels in 4x4 blocks: see [`block_index`](crate::block_index).
 #[derive(Debug, Clone)]
@@ -278,29 +278,61 @@ impl BinnedDraws<'_> {
             group_index += 1;
             self.setup_group(i, run.draw, run.ids, tile as u32, sharing, &mut group);
             floor.drop_hidden(i, draw, &mut group);
-            let mut sink = Visible {
-                depth: &mut out.depth,
-                slots: &mut out.slot,
-                masks: &mut out.masks,
-                touched: &mut out.touched,
-                first_slot: run.first_slot as u32,
-                test: draw.depth_test,
-                write: draw.depth_write,
-                cut: (draw.pass == Pass::CutOut).then_some(CutOut {
-                    prepared: self,
-                    ids: run.ids,
-                    tile: bounds,
-                    draw: run.draw as u32,
-                    alpha,
-                    setup: None,
-                }),
-            };
-            stamp_group(i, &group, false, &mut sink);
+            let plain =
+                draw.pass == Pass::Opaque && draw.depth_test == DepthTest::Less && draw.depth_write;
+            if plain {
+                self.stamp_visible::<I, true>(i, bounds, &run, &group, alpha, out);
+            } else {
+                self.stamp_visible::<I, false>(i, bounds, &run, &group, alpha, out);
+            }
             floor.rise(draw, &group);
         }
         out.group = group;
         out.settle();
         out.trim(bounds);
+    }
+
+    /// Out of line: compiled once a level, with the registers for itself.
+    #[inline(never)]
+    fn stamp_visible<I: Isa, const PLAIN: bool>(
+        &self,
+        i: I,
+        tile: Tile,
+        run: &Run<'_>,
+        group: &Group,
+        alpha: &dyn AlphaTest,
+        out: &mut TileVisibility,
+    ) {
+        let (Some(depth), Some(slots), Some(masks), Some(touched)) = (
+            out.depth.first_chunk_mut(),
+            out.slot.first_chunk_mut(),
+            out.masks.first_chunk_mut(),
+            out.touched.first_chunk_mut(),
+        ) else {
+            return;
+        };
+        let draw = self.draw(run.draw as u32);
+        let mut sink = Visible::<PLAIN> {
+            depth,
+            slots,
+            masks,
+            touched,
+            first_slot: run.first_slot as u32,
+            test: draw.depth_test,
+            write: draw.depth_write,
+            cut: (draw.pass == Pass::CutOut).then_some(CutOut {
+                prepared: self,
+                ids: run.ids,
+                tile,
+                draw: run.draw as u32,
+                alpha,
+                setup: None,
+            }),
+        };
+        i.vectorize(
+            #[inline(always)]
+            || stamp_group(i, group, false, &mut sink),
+        );
     }
 
     /// True if the last fragment of each pixel is seen, with its depth: none is tested, none cut out.

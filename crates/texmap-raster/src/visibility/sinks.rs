@@ -7,7 +7,7 @@ use crate::coverage::stamp::{BLOCK_PIXELS, Sink};
 use crate::front_end::prepared::Tile;
 use crate::interpolate::FragmentBlock;
 use crate::setup::{Fragment, TILE, TriangleSetup};
-use crate::visibility::blocks::pixel_of;
+use crate::visibility::blocks::{PIXELS, pixel_of};
 use crate::visibility::visible::{AlphaTest, NO_PRIMITIVE};
 use crate::{BinnedDraws, DepthTest};
 
@@ -31,22 +31,36 @@ fn touch(block: usize, depth: &mut [f32], slots: &mut [u32], touched: &mut [bool
     }
 }
 
-/// Keeps the nearest fragment.
-pub(crate) struct Visible<'b, 'p> {
-    pub(crate) depth: &'b mut [f32],
-    pub(crate) slots: &'b mut [u32],
-    pub(crate) masks: &'b mut [u16],
-    pub(crate) touched: &'b mut [bool],
+/// Keeps the nearest fragment. `PLAIN` is for [`DepthTest::Less`] with depths written and nothing cut out, as most draws are: the
+/// choices below are made when the code is compiled then.
+pub(crate) struct Visible<'b, 'p, const PLAIN: bool> {
+    pub(crate) depth: &'b mut [f32; PIXELS],
+    pub(crate) slots: &'b mut [u32; PIXELS],
+    pub(crate) masks: &'b mut [u16; PIXELS / BLOCK_PIXELS],
+    pub(crate) touched: &'b mut [bool; PIXELS / BLOCK_PIXELS],
     pub(crate) first_slot: u32,
     pub(crate) test: DepthTest,
     pub(crate) write: bool,
     pub(crate) cut: Option<CutOut<'p>>,
 }
 
-impl<I: Isa> Sink<I> for Visible<'_, '_> {
+impl<const PLAIN: bool> Visible<'_, '_, PLAIN> {
+    #[inline(always)]
+    fn test(&self) -> DepthTest {
+        if PLAIN { DepthTest::Less } else { self.test }
+    }
+
+    #[inline(always)]
+    fn writes(&self) -> bool {
+        PLAIN || self.write
+    }
+}
+
+impl<I: Isa, const PLAIN: bool> Sink<I> for Visible<'_, '_, PLAIN> {
     #[inline(always)]
     fn pixels(&mut self, i: I, triangle: usize, index: usize, covered: I::Mask, depth: I::F32) {
         let (block, bit) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
+        let (test, write) = (self.test(), self.writes());
         if I::LANES < BLOCK_PIXELS {
             touch(block, self.depth, self.slots, self.touched);
         }
@@ -64,15 +78,15 @@ impl<I: Isa> Sink<I> for Visible<'_, '_> {
         } else {
             (i.f32(0.0), i.u32(NO_PRIMITIVE))
         };
-        let mut pass = covered & passes(i, self.test, depth, old);
+        let mut pass = covered & passes(i, test, depth, old);
         if !pass.any_true() {
             return;
         }
-        if let Some(cut) = &mut self.cut {
+        if !PLAIN && let Some(cut) = &mut self.cut {
             let bits = cut.keep(i, triangle, block, pass.to_bitmask() << bit);
             pass = i.mask_from_bits(bits >> bit);
         }
-        if self.write {
+        if write {
             pass.select(depth, old).store(stored);
         } else if !*touched {
             old.store(stored);
@@ -87,15 +101,16 @@ impl<I: Isa> Sink<I> for Visible<'_, '_> {
     fn pixel(&mut self, triangle: usize, index: usize, depth: f32) {
         let (block, bit) = (index / BLOCK_PIXELS, index % BLOCK_PIXELS);
         touch(block, self.depth, self.slots, self.touched);
-        if !passes(Scalar, self.test, depth, self.depth[index]) {
+        if !passes(Scalar, self.test(), depth, self.depth[index]) {
             return;
         }
-        if let Some(cut) = &mut self.cut
+        if !PLAIN
+            && let Some(cut) = &mut self.cut
             && cut.keep(Scalar, triangle, block, 1 << bit) == 0
         {
             return;
         }
-        if self.write {
+        if self.writes() {
             self.depth[index] = depth;
         }
         self.slots[index] = self.first_slot + triangle as u32;
@@ -105,7 +120,7 @@ impl<I: Isa> Sink<I> for Visible<'_, '_> {
     /// Cut-outs are asked about as blocks.
     #[inline(always)]
     fn takes_pixels(&self) -> bool {
-        self.cut.is_none()
+        PLAIN || self.cut.is_none()
     }
 }
 

@@ -76,8 +76,10 @@ impl Submission<'_, '_> {
         let y1 = ((hi_y - (128 - self.margin)) >> 8).min(i.i32(last_y));
         let empty = x0.simd_gt(x1) | y0.simd_gt(y1);
         let tiny = (x1 - x0).simd_lt(2) & (y1 - y0).simd_lt(2);
-        let centres = i.mask(self.margin == 0);
-        let missed = centres & tiny & !empty & !tiny_hit(i, v, front, [x0, y0, x1, y1]);
+        let mut missed = i.mask(self.margin == 0) & faced & tiny & !empty;
+        if missed.any_true() {
+            missed = missed & !tiny_hit(i, v, front, [x0, y0, x1, y1]);
+        }
         group.outside = (faced & (empty | missed)).to_bitmask();
         group.seen = (faced & !(empty | missed)).to_bitmask();
         x0.store(&mut group.x0);
