@@ -8,8 +8,11 @@ use pyo3::prelude::*;
 
 mod antialias;
 mod attributes;
+mod by_levels;
+mod cube;
 mod image;
 mod light;
+mod look_up;
 mod peel;
 mod perspective;
 mod program;
@@ -27,12 +30,12 @@ fn _texmap(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     m.add_class::<scene::Scene>()?;
     m.add_class::<texture::Texture>()?;
-    m.add_class::<texture::Cube>()?;
+    m.add_class::<cube::Cube>()?;
     m.add_function(wrap_pyfunction!(scene::load, m)?)?;
     m.add_function(wrap_pyfunction!(render::render, m)?)?;
-    m.add_function(wrap_pyfunction!(texture::sample, m)?)?;
-    m.add_function(wrap_pyfunction!(texture::sample_levels, m)?)?;
-    m.add_function(wrap_pyfunction!(texture::sample_cube, m)?)?;
+    m.add_function(wrap_pyfunction!(look_up::sample, m)?)?;
+    m.add_function(wrap_pyfunction!(by_levels::sample_levels, m)?)?;
+    m.add_function(wrap_pyfunction!(cube::sample_cube, m)?)?;
     m.add_function(wrap_pyfunction!(rasterize::rasterize, m)?)?;
     m.add_function(wrap_pyfunction!(attributes::interpolate, m)?)?;
     m.add_function(wrap_pyfunction!(attributes::interpolate_gradient, m)?)?;

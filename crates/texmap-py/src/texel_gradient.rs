@@ -5,8 +5,8 @@ use pyo3::prelude::*;
 use texmap_math::deterministic_f64;
 use texmap_sample::Filter;
 
+use crate::by_levels::{dr_filter, footprint_length};
 use crate::support::{expect_length, value};
-use crate::texture::{dr_filter, footprint_length};
 
 /// Treatment of texels outside of the image.
 #[derive(Clone, Copy)]
