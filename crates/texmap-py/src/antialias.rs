@@ -5,7 +5,8 @@
 use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 
-use crate::rast::{Range, decode};
+use crate::planes::decode;
+use crate::rast::Range;
 use crate::support::{expect_length, value};
 
 /// Beyond an edge of one triangle.

@@ -4,7 +4,7 @@ use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::rast::decode;
+use crate::planes::decode;
 use crate::support::{expect_length, unlocked, value};
 
 /// Pixels that one task does.

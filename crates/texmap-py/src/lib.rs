@@ -15,6 +15,7 @@ mod light;
 mod look_up;
 mod peel;
 mod perspective;
+mod planes;
 mod program;
 mod rast;
 mod rasterize;

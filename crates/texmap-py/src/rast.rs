@@ -1,39 +1,19 @@
-//! One picture of `rast`: coverage by the rasterizer, then barycentrics, depth and their derivatives from planes over the pixels.
+//! One picture of `rast`: visibility by the rasterizer, then the values of what is seen from planes over the pixels.
 
 use rayon::prelude::*;
-use texmap_math::Level;
 use texmap_math::glam::DMat4;
+use texmap_math::simd::Isa;
+use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{
     AlphaTest, BinnedDraws, DrawCall, NO_PRIMITIVE, NoAlphaTest, Pass, RasterError, TILE,
-    TargetSize, VisibilityBuffer,
+    TargetSize, Tile, TileVisibility, block_index,
 };
 
 use crate::peel::{Layer, Peel};
+use crate::planes::{TilePlanes, Triangles};
 
 /// A picture of a batch: first vertex, vertices, first triangle, triangles.
 pub(crate) type Range = (usize, usize, usize, usize);
-
-/// Ids up to this stand in f32 as they are; larger ones as its bits counted on from those of 2^24.
-const EXACT: u32 = 1 << 24;
-
-/// The number of a triangle as `rast` holds it: id + 1 as f32, or beyond 2^24 as the bits 0x4a800000 + id + 1.
-pub(crate) fn encode(triangle: usize) -> f32 {
-    let id = triangle as u32 + 1;
-    match id <= EXACT {
-        true => id as f32,
-        false => f32::from_bits(0x4a80_0000 + id),
-    }
-}
-
-/// The triangle of a pixel of `rast`; `None` where there is none.
-#[inline(always)]
-pub(crate) fn decode(id: f32) -> Option<usize> {
-    let id = match id <= EXACT as f32 {
-        true => id as u32,
-        false => id.to_bits() - 0x4a80_0000,
-    };
-    (id as usize).checked_sub(1)
-}
 
 /// The arrays of one picture.
 pub(crate) struct Picture<'a> {
@@ -79,12 +59,13 @@ impl Picture<'_> {
             first: first_triangle,
         };
         match layer {
-            None => self.fill(&scene, &binned, &NoAlphaTest, None),
+            None => self.fill(&scene, &binned, &NoAlphaTest, level, None),
             Some(layer) if layer.first => {
                 self.fill(
                     &scene,
                     &binned,
                     &NoAlphaTest,
+                    level,
                     Some((layer.depths, layer.ids)),
                 );
             }
@@ -95,7 +76,13 @@ impl Picture<'_> {
                     depths: &depths,
                     ids: &ids,
                 };
-                self.fill(&scene, &binned, &peel, Some((layer.depths, layer.ids)));
+                self.fill(
+                    &scene,
+                    &binned,
+                    &peel,
+                    level,
+                    Some((layer.depths, layer.ids)),
+                );
             }
         }
         Ok(())
@@ -106,6 +93,7 @@ impl Picture<'_> {
         scene: &Triangles<'_>,
         binned: &BinnedDraws<'_>,
         test: &A,
+        level: Level,
         layer: Option<(&mut [f32], &mut [u32])>,
     ) {
         let width = self.size.width() as usize;
@@ -127,23 +115,13 @@ impl Picture<'_> {
                 ids: ids.next().unwrap_or_default(),
             })
             .collect();
-        let fill = |band: Band<'_>| band.fill(scene, binned, test);
+        let fill = |band: Band<'_>| band.fill(scene, binned, test, level);
         if rayon::current_num_threads() > 1 {
             bands.into_par_iter().for_each(fill);
         } else {
             bands.into_iter().for_each(fill);
         }
     }
-}
-
-/// The triangles of a picture in clip space.
-struct Triangles<'a> {
-    pos: &'a [[f32; 4]],
-    tri: &'a [[u32; 3]],
-    /// Half of the width and height.
-    half: [f64; 2],
-    /// Number of the first triangle.
-    first: usize,
 }
 
 /// A row of tiles with its rows of the arrays.
@@ -157,157 +135,118 @@ struct Band<'a> {
 }
 
 impl Band<'_> {
-    fn fill<A: AlphaTest>(mut self, scene: &Triangles<'_>, binned: &BinnedDraws<'_>, test: &A) {
-        let mut buffers = VisibilityBuffer::new();
-        // Set-ups by the low bits of their id: a triangle comes again in the rows below.
-        let mut cache: Vec<(u32, Planes)> = vec![(NO_PRIMITIVE, Planes::default()); CACHED];
+    fn fill<A: AlphaTest>(
+        mut self,
+        scene: &Triangles<'_>,
+        binned: &BinnedDraws<'_>,
+        test: &A,
+        level: Level,
+    ) {
+        let mut seen = TileVisibility::new();
+        let mut planes = TilePlanes::default();
         for index in self.tiles.clone() {
             let tile = binned.tile(index);
-            let columns = tile.x0 as usize..(tile.x0 + tile.width) as usize;
-            let empty = binned.is_empty(index);
-            if !empty {
-                binned.visible(index, test, &mut buffers);
+            if binned.is_empty(index) {
+                self.clear(tile);
+                continue;
             }
-            for y in 0..tile.height as usize {
-                let at = y * self.width + columns.start..y * self.width + columns.end;
-                if empty {
-                    self.clear(at);
-                    continue;
+            binned.visible_blocks(index, test, &mut seen);
+            if !self.ids.is_empty() {
+                self.keep_layer(tile, binned, &seen);
+            }
+            planes.forget(seen.ids.len());
+            match self.db.is_empty() {
+                true => {
+                    dispatch_simd!(level, i => self.values::<_, false>(i, tile, scene, binned, &seen, &mut planes))
                 }
-                let row = y * TILE as usize;
-                let ids = &buffers.id[row..row + tile.width as usize];
-                let py = f64::from(tile.y0) + y as f64 + 0.5;
-                if !self.ids.is_empty() {
-                    let depths = &buffers.depth[row..row + tile.width as usize];
-                    self.depths[at.clone()].copy_from_slice(depths);
-                    for (out, id) in self.ids[at.clone()].iter_mut().zip(ids) {
-                        *out = match *id {
-                            NO_PRIMITIVE => NO_PRIMITIVE,
-                            id => binned.source(id).1,
-                        };
-                    }
-                }
-                let mut x = 0;
-                while x < ids.len() {
-                    let id = ids[x];
-                    let count = ids[x..].iter().take_while(|next| **next == id).count();
-                    let run = at.start + x..at.start + x + count;
-                    if id == NO_PRIMITIVE {
-                        self.clear_values(run);
-                    } else {
-                        let slot = &mut cache[id as usize % CACHED];
-                        if slot.0 != id {
-                            *slot = (id, Planes::new(scene, binned.source(id).1 as usize));
-                        }
-                        let px = (columns.start + x) as f64 + 0.5;
-                        let db = match self.db.is_empty() {
-                            true => &mut [],
-                            false => &mut self.db[run.clone()],
-                        };
-                        slot.1.fill([px, py], &mut self.rast[run], db);
-                    }
-                    x += count;
+                false => {
+                    dispatch_simd!(level, i => self.values::<_, true>(i, tile, scene, binned, &seen, &mut planes))
                 }
             }
         }
     }
 
-    fn clear(&mut self, at: std::ops::Range<usize>) {
-        if !self.ids.is_empty() {
-            self.ids[at.clone()].fill(NO_PRIMITIVE);
-            self.depths[at.clone()].fill(0.0);
-        }
-        self.clear_values(at);
+    /// The pixels of a tile's row.
+    fn row(&self, tile: Tile, y: usize) -> std::ops::Range<usize> {
+        let start = y * self.width + tile.x0 as usize;
+        start..start + tile.width as usize
     }
 
-    fn clear_values(&mut self, at: std::ops::Range<usize>) {
-        self.rast[at.clone()].fill([0.0; 4]);
-        if !self.db.is_empty() {
-            self.db[at].fill([0.0; 4]);
-        }
-    }
-}
-
-const CACHED: usize = 256;
-
-/// Planes over the pixels: a triangle's homogeneous edge functions (Olano and Greer 1997), so that no vertex is divided by its w.
-#[derive(Clone, Copy, Default)]
-struct Planes {
-    /// Of the first two vertices; the weights are their values over the sum's.
-    edges: [[f64; 3]; 2],
-    /// Sum of all three.
-    sum: [f64; 3],
-    /// z/w, linear on the screen.
-    depth: [f64; 3],
-    id: f32,
-}
-
-impl Planes {
-    fn new(scene: &Triangles<'_>, triangle: usize) -> Self {
-        let corners = scene.tri[triangle].map(|i| scene.pos[i as usize].map(f64::from));
-        let [a, b, c] =
-            corners.map(|[x, y, _, w]| [(x + w) * scene.half[0], (y + w) * scene.half[1], w]);
-        let cross = |p: [f64; 3], q: [f64; 3]| {
-            [
-                p[1] * q[2] - p[2] * q[1],
-                p[2] * q[0] - p[0] * q[2],
-                p[0] * q[1] - p[1] * q[0],
-            ]
-        };
-        let edges = [cross(b, c), cross(c, a), cross(a, b)];
-        let sum = [0, 1, 2].map(|k| edges[0][k] + edges[1][k] + edges[2][k]);
-        let det = edges[0][0] * a[0] + edges[0][1] * a[1] + edges[0][2] * a[2];
-        let depth = [0, 1, 2].map(|k| {
-            let [e, f, g] = [edges[0][k], edges[1][k], edges[2][k]];
-            (e * corners[0][2] + f * corners[1][2] + g * corners[2][2]) / det
-        });
-        Self {
-            edges: [edges[0], edges[1]],
-            sum,
-            depth,
-            id: encode(scene.first + triangle),
+    fn clear(&mut self, tile: Tile) {
+        for y in 0..tile.height as usize {
+            let at = self.row(tile, y);
+            if !self.ids.is_empty() {
+                self.ids[at.clone()].fill(NO_PRIMITIVE);
+                self.depths[at.clone()].fill(0.0);
+            }
+            if !self.db.is_empty() {
+                self.db[at.clone()].fill([0.0; 4]);
+            }
+            self.rast[at].fill([0.0; 4]);
         }
     }
 
-    /// The values of a plane along a row from a pixel on: the first, and the step.
+    /// Depths and triangles for the next layer.
+    fn keep_layer(&mut self, tile: Tile, binned: &BinnedDraws<'_>, seen: &TileVisibility) {
+        for y in 0..tile.height {
+            let at = self.row(tile, y as usize);
+            let out = self.depths[at.clone()].iter_mut().zip(&mut self.ids[at]);
+            for (x, (depth, id)) in (0..).zip(out) {
+                let pixel = block_index(x, y);
+                *depth = seen.depth[pixel];
+                *id = match seen.slot[pixel] {
+                    NO_PRIMITIVE => NO_PRIMITIVE,
+                    slot => binned.source(seen.ids[slot as usize]).1,
+                };
+            }
+        }
+    }
+
+    /// Values of a tile block by block: planes are near, and whole cache lines are written.
     #[inline(always)]
-    fn row([a, b, c]: [f64; 3], [px, py]: [f64; 2]) -> [f64; 2] {
-        [a * px + (b * py + c), a]
-    }
-
-    /// u, v, z/w and the id of pixels from `at` to the right, and du/dX, du/dY, dv/dX and dv/dY where `db` is not empty. Weights end at 0
-    /// and 1: a pixel may lie outside of the exact triangle by the 1/256 pixel that its vertices are snapped to.
-    #[inline(always)]
-    fn fill(&self, at: [f64; 2], out: &mut [[f32; 4]], db: &mut [[f32; 4]]) {
-        let planes = [self.edges[0], self.edges[1], self.sum, self.depth];
-        let [[mut u, du], [mut v, dv], [mut s, ds], [mut z, dz]] = planes.map(|p| Self::row(p, at));
-        let [[ux, uy, _], [vx, vy, _]] = self.edges;
-        let [sx, sy, _] = self.sum;
-        let mut db = db.iter_mut();
-        for out in out {
-            let inv = 1.0 / s;
-            let (b0, b1) = (u * inv, v * inv);
-            if let Some(db) = db.next() {
-                let of = |a: f64, value: f64, b: f64| ((a - value * b) * inv) as f32;
-                *db = [
-                    of(ux, b0, sx),
-                    of(uy, b0, sy),
-                    of(vx, b1, sx),
-                    of(vy, b1, sy),
-                ];
+    fn values<I: Isa, const DB: bool>(
+        &mut self,
+        i: I,
+        tile: Tile,
+        scene: &Triangles<'_>,
+        binned: &BinnedDraws<'_>,
+        seen: &TileVisibility,
+        planes: &mut TilePlanes,
+    ) {
+        let (width, height) = (tile.width as usize, tile.height as usize);
+        let blocks = seen.slot.as_chunks::<16>().0.iter().zip(&seen.masks);
+        let (mut out, mut db) = ([0.0; 64], [0.0; 64]);
+        for (block, (slots, mask)) in blocks.enumerate() {
+            let (x, y) = (block % BLOCKS * 4, block / BLOCKS * 4);
+            if x >= width || y >= height {
+                continue;
             }
-            let (b0, b1) = (bounded(b0), bounded(b1));
-            let rest = 1.0 - b0;
-            let b1 = if b1 < rest { b1 } else { rest };
-            *out = [b0 as f32, b1 as f32, z as f32, self.id];
-            (u, v, s, z) = (u + du, v + dv, s + ds, z + dz);
+            let (px, py) = (tile.x0 as usize + x, tile.y0 as usize + y);
+            let at = [px as f64 + 0.5, py as f64 + 0.5];
+            planes.block::<I, DB>(
+                i, scene, binned, &seen.ids, slots, *mask, at, &mut out, &mut db,
+            );
+            let columns = (width - x).min(4);
+            for k in 0..(height - y).min(4) {
+                let pixels = (y + k) * self.width + px..(y + k) * self.width + px + columns;
+                put(&out, k, &mut self.rast[pixels.clone()]);
+                if DB {
+                    put(&db, k, &mut self.db[pixels]);
+                }
+            }
         }
     }
 }
 
-/// Within 0 and 1; NaN gives 0.
+/// Row `k` of a block to the pixels of a picture, which may have fewer.
 #[inline(always)]
-fn bounded(x: f64) -> f64 {
-    let x = if x > 0.0 { x } else { 0.0 };
-    if x < 1.0 { x } else { 1.0 }
+fn put(block: &[f32; 64], k: usize, out: &mut [[f32; 4]]) {
+    let row = &block.as_chunks::<4>().0[4 * k..4 * k + 4];
+    match out.as_chunks_mut::<4>() {
+        ([whole], []) => whole.copy_from_slice(row),
+        (_, out) => out.copy_from_slice(&row[..out.len()]),
+    }
 }
+
+/// 4x4 blocks across a tile.
+const BLOCKS: usize = TILE as usize / 4;

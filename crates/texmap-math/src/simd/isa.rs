@@ -168,6 +168,8 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     fn mask(self, x: bool) -> Self::Mask;
     /// Lane `k` is bit `k`.
     fn mask_from_bits(self, bits: u32) -> Self::Mask;
+    /// Lane `k` is bit `k`.
+    fn mask64_from_bits(self, bits: u32) -> Self::Mask64;
     /// 0, 1, 2 ...
     fn iota(self) -> Self::I32;
     /// The first [`LANES`](Self::LANES) values.

@@ -271,6 +271,10 @@ impl Isa for Scalar {
         bits & 1 == 1
     }
     #[inline(always)]
+    fn mask64_from_bits(self, bits: u32) -> bool {
+        bits & 1 == 1
+    }
+    #[inline(always)]
     fn iota(self) -> One<i32> {
         One(0)
     }

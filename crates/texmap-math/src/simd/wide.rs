@@ -297,6 +297,10 @@ impl<S: Simd> Isa for X4<S> {
         f64x4::from_slice(self.0, &values[..4])
     }
     #[inline(always)]
+    fn mask64_from_bits(self, bits: u32) -> mask64x4<S> {
+        mask64x4::from_bitmask(self.0, u64::from(bits & 15))
+    }
+    #[inline(always)]
     fn widen(self, x: f32x4<S>) -> f64x4<S> {
         let (low, high) = self.0.widen_f32x4(x);
         self.0.combine_f64x2(low, high)
@@ -390,6 +394,11 @@ impl<S: Simd> Isa for X16<S> {
             f64x8::from_slice(self.0, &values[..8]),
             f64x8::from_slice(self.0, &values[8..16]),
         )
+    }
+    #[inline(always)]
+    fn mask64_from_bits(self, bits: u32) -> Pair<mask64x8<S>> {
+        let half = |bits: u32| mask64x8::from_bitmask(self.0, u64::from(bits & 255));
+        Pair(half(bits), half(bits >> 8))
     }
     #[inline(always)]
     fn widen(self, x: f32x16<S>) -> Pair<f64x8<S>> {
