@@ -28,6 +28,7 @@ mod uv;
 
 #[pymodule]
 fn _texmap(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    support::numpy_api(m.py())?;
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     m.add_class::<scene::Scene>()?;
     m.add_class::<texture::Texture>()?;

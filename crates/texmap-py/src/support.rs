@@ -9,10 +9,37 @@ use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 use std::time::Duration;
 
-use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyRuntimeError, PyValueError};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::exceptions::{
+    PyFileNotFoundError, PyImportError, PyOSError, PyRuntimeError, PyValueError,
+};
 use pyo3::prelude::*;
 use texmap_io::IoError;
 use texmap_math::Level;
+
+/// Looks up all of NumPy's functions that arrays are read by. The crate `numpy` does so at the first use of each and panics where an
+/// exception comes, as that of Ctrl-C may: Python raises it in the main thread alone, so another thread does the work.
+pub(crate) fn numpy_api(py: Python<'_>) -> PyResult<()> {
+    for module in ["numpy", "numpy.lib", "numpy.version"] {
+        py.import(module)?;
+    }
+    let ready = py.detach(|| {
+        let work = || {
+            Python::attach(|py| -> PyResult<()> {
+                let array = PyArray1::<f32>::zeros(py, 1, false).into_any();
+                drop(array.extract::<PyReadwriteArray1<'_, f32>>()?);
+                drop(array.extract::<PyReadonlyArray1<'_, f32>>()?);
+                Ok(())
+            })
+        };
+        thread::scope(|scope| scope.spawn(work).join())
+    });
+    ready.unwrap_or_else(|_| {
+        Err(PyImportError::new_err(
+            "texmap: NumPy's functions cannot be looked up",
+        ))
+    })
+}
 
 /// A `ValueError` with the text of an error.
 pub(crate) fn value(error: impl Display) -> PyErr {

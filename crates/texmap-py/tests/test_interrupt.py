@@ -6,6 +6,8 @@ The works below take many seconds, most of them minutes. One that goes on after 
 import faulthandler
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -22,8 +24,6 @@ if os.name == "nt":
 
 def interrupted(work):
     """True if a SIGINT that comes a moment later ends the call; False if the call returns before."""
-    # The module looks up the functions of NumPy once: not under the signal.
-    texmap.sample(np.ones((4, 4, 3), np.float32), np.zeros((1, 2), np.float32))
     returned = False
     timer = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
     faulthandler.dump_traceback_later(40, exit=True)
@@ -102,3 +102,24 @@ def test_ctrl_c_ends_a_warp():
 
 def test_short_work_is_not_mistaken_for_an_interrupted_one():
     assert not interrupted(lambda: texmap.sample(np.ones((4, 4, 3), np.float32), np.zeros((5, 2), np.float32)))
+
+
+FIRST = """
+import builtins
+import numpy as np, texmap
+texels, uv = np.ones((4, 4, 3), np.float32), np.zeros((1, 2), np.float32)
+def interrupted(name, *_, **__):
+    raise KeyboardInterrupt(name)
+builtins.__import__ = interrupted
+try:
+    import colorsys
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+print(texmap.sample(texels, uv).shape)
+"""
+
+
+def test_the_first_kernel_imports_nothing():
+    # A signal in an import of NumPy's functions was a panic: they are looked up when the module is loaded.
+    done = subprocess.run([sys.executable, "-c", FIRST], capture_output=True, text=True, timeout=60)
+    assert done.stdout == "interrupted\n(1, 3)\n", done.stderr
