@@ -1,10 +1,15 @@
 """Times of the package, the least of several runs: ``python bench.py`` prints what docs/python.md quotes, ``python bench.py peers`` the
-batch of poses of F3D's module and of pyrender (EGL) too, where they are installed.
+batch of poses of F3D's module and of pyrender (EGL) too, where they are installed, and ``python bench.py overhead PROGRAM`` what a
+call of ``sample`` costs beside the Rust function, by turns with the example ``sample_slice`` of this crate:
+
+    cargo build --release --example sample_slice
+    python bench.py overhead target/release/examples/sample_slice
 
 The machine should be idle. Nothing here is a test.
 """
 
 import os
+import subprocess
 import sys
 import time
 
@@ -39,7 +44,28 @@ def grid(side=101):
     return points, faces.astype(np.int32)
 
 
+def overhead(program, rounds=5):
+    """Prints times of bilinear and trilinear look-ups by both, and their ratios."""
+    rng = np.random.default_rng(1)
+    texture = texmap.Texture(rng.uniform(size=(1024, 1024, 4)).astype(np.float32))
+    uv, out = rng.uniform(size=(1_000_000, 2)).astype(np.float32), np.empty((1_000_000, 4), np.float32)
+    duv = np.full((1_000_000, 4), 1e-3, np.float32)
+    given = {"Bilinear": None, "Trilinear": duv}
+    ours, theirs = (dict.fromkeys(given, float("inf")) for _ in range(2))
+    for _ in range(rounds):
+        for name, derivatives in given.items():
+            t = least(lambda: texmap.sample(texture, uv, derivatives, filter=name.lower(), out=out, threads=1), 9)
+            ours[name] = min(ours[name], t)
+        for line in subprocess.run([program], capture_output=True, text=True, check=True).stdout.splitlines():
+            name, t = line.split(", ")[-1].removesuffix(" ms").split(": ")
+            theirs[name] = min(theirs[name], float(t))
+    for name in given:
+        print(f"sample, {name}: {ours[name]:.2f} ms, Rust {theirs[name]:.2f} ms, ratio {ours[name] / theirs[name]:.3f}")
+
+
 def main():
+    if sys.argv[1:2] == ["overhead"]:
+        return overhead(sys.argv[2])
     rng = np.random.default_rng(1)
     for channels in (3, 4):
         texture = texmap.Texture(rng.uniform(size=(1024, 1024, channels)).astype(np.float32))
