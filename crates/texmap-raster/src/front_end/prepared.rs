@@ -6,7 +6,7 @@ use texmap_math::{Level, MemoryBudget};
 use crate::coverage::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
 use crate::front_end::arrays::Arrays;
 use crate::front_end::bin::{self, Chunk, MOST, Piece, Submission};
-use crate::front_end::transform::{self, Transform};
+use crate::front_end::transform::{self, SPECIAL, Transform};
 use crate::setup::{Fragment, Shape, TILE, TriangleSetup};
 use crate::{DrawCall, Interp, Pass, RasterError, Stats, TargetSize};
 
@@ -281,6 +281,15 @@ impl<'a> BinnedDraws<'a> {
     /// True if the viewer sees the front of an id's triangle.
     #[must_use]
     pub fn is_front(&self, id: u32) -> bool {
+        if id < self.whole() {
+            let (draw, triangle) = self.source(id);
+            let snapped = &self.snapped[draw as usize];
+            let corners = self.draws[draw as usize].indices[triangle as usize];
+            let corners = corners.map(|vertex| snapped[vertex as usize]);
+            if !corners.contains(&SPECIAL) {
+                return area(&corners) < 0;
+            }
+        }
         self.shape(id).0.front
     }
 
@@ -422,4 +431,41 @@ pub(crate) fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Syn
 #[cfg(not(feature = "rayon"))]
 pub(crate) fn for_all<T>(_threads: usize, work: Vec<T>, f: impl Fn(T)) {
     work.into_iter().for_each(f);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The side by snapped vertices is that of the shape, of triangles that are cut and of ones beyond the guard band too.
+    #[test]
+    fn sides_are_those_of_shapes() {
+        let mut state = 7u32;
+        let mut next = |size: f32| {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            size * ((state >> 8) as f32 / (1 << 24) as f32 - 0.5)
+        };
+        let positions: Vec<[f32; 3]> = (0..900)
+            .map(|k| {
+                let size = [1.5, 1.5, 1.5, 3.0, 1e3][k / 3 % 5];
+                [next(size), next(size), 0.4 + next(1.0)]
+            })
+            .collect();
+        let indices: Vec<[u32; 3]> = (0..300).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let draw = DrawCall {
+            positions: &positions,
+            indices: &indices,
+            ..DrawCall::default()
+        };
+        let size = TargetSize::new(64, 64).unwrap();
+        let prepared = BinnedDraws::new(size, &[draw]).unwrap();
+        let ids: Vec<u32> = (0..prepared.tiles())
+            .flat_map(|tile| prepared.bin_of(tile).iter().copied())
+            .collect();
+        let fronts: Vec<bool> = ids.iter().map(|id| prepared.is_front(*id)).collect();
+        let shapes: Vec<bool> = ids.iter().map(|id| prepared.shape(*id).0.front).collect();
+        assert_eq!(fronts, shapes);
+        assert!(fronts.contains(&true) && fronts.contains(&false));
+        assert!(ids.iter().any(|id| *id >= prepared.whole()));
+    }
 }
