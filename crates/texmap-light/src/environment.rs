@@ -66,26 +66,45 @@ impl Environment {
         progress: Progress<'_>,
         light: impl Fn(usize, DVec2, DVec2) -> [f32; 3] + Sync,
     ) -> Result<Self, LightError> {
+        Self::from_groups(chart, size, progress, |[(face, centre)], sides| {
+            [light(face, centre, sides)]
+        })
+    }
+
+    /// As [`from_directions`](Self::from_directions), `N` texels at once, side by side but for the ends of rows. `light` has their faces
+    /// and centres, and the sides of a face. A last group repeats the last texel.
+    ///
+    /// # Errors
+    /// As [`Environment::from_directions`].
+    pub(crate) fn from_groups<const N: usize>(
+        chart: EnvironmentLayout,
+        size: u32,
+        progress: Progress<'_>,
+        light: impl Fn([(usize, DVec2); N], DVec2) -> [[f32; 3]; N] + Sync,
+    ) -> Result<Self, LightError> {
         let places = Places::new(chart, size)?;
-        let row = places.size.0 as usize + 2;
-        let steps = Steps::new(progress, places.count() / row);
-        let texel = |i| {
-            if i % row == 0 {
-                steps.step();
-            }
+        let (row, count) = (places.size.0 as usize + 2, places.count());
+        let steps = Steps::new(progress, count / row);
+        let group = |number: usize| {
+            let first = number * N;
+            let begun = (first..count.min(first + N)).filter(|at| at % row == 0);
+            begun.for_each(|_| steps.step());
             if steps.is_cancelled() {
-                return [0.0; 3];
+                return [[0.0; 3]; N];
             }
-            let (face, centre) = places.at(i);
-            light(face, centre, places.sides())
+            let texels = core::array::from_fn(|k| places.at((first + k).min(count - 1)));
+            light(texels, places.sides())
         };
+        let groups = count.div_ceil(N);
         #[cfg(feature = "rayon")]
-        let texels = {
+        let texels: Vec<_> = {
             use rayon::prelude::*;
-            (0..places.count()).into_par_iter().map(texel).collect()
+            (0..groups).into_par_iter().map(group).collect()
         };
         #[cfg(not(feature = "rayon"))]
-        let texels = (0..places.count()).map(texel).collect();
+        let texels: Vec<_> = (0..groups).map(group).collect();
+        let mut texels = texels.into_flattened();
+        texels.truncate(count);
         match steps.is_cancelled() {
             true => Err(LightError::Cancelled),
             false => Ok(Self::of(chart, places.size, texels)),
@@ -142,17 +161,26 @@ impl Environment {
         }
     }
 
-    /// The first levels of environments of one layout as the levels of one.
-    pub(crate) fn of_levels(first: &Self, others: &[Self]) -> Self {
-        let (mut texels, mut levels) = (Vec::new(), Vec::new());
-        for environment in core::iter::once(first).chain(others) {
-            let level = environment.levels[0];
+    /// The first levels of environments of one layout as the levels of one. One that is missing reads as the next, the last ones as the
+    /// last that there is.
+    pub(crate) fn of_levels(first: &Self, others: &[Option<&Self>]) -> Self {
+        let mut texels = Vec::new();
+        let made = core::iter::once(Some(first)).chain(others.iter().copied());
+        let made = made.map(|environment| {
+            let environment = environment?;
             let start = texels.len();
-            let count =
-                first.layout.faces() * (level.width as usize + 2) * (level.height as usize + 2);
-            texels.extend_from_slice(&environment.texels[..count]);
-            levels.push(Level { start, ..level });
-        }
+            texels.extend_from_slice(environment.first_level());
+            let level = environment.levels[0];
+            Some(Level { start, ..level })
+        });
+        let made: Vec<_> = made.collect();
+        let mut next = made.iter().copied().rev().flatten().next();
+        let levels = made.into_iter().rev().filter_map(|level| {
+            next = level.or(next);
+            next
+        });
+        let mut levels: Vec<Level> = levels.collect();
+        levels.reverse();
         Self {
             layout: first.layout,
             texels,
@@ -161,6 +189,19 @@ impl Environment {
             levels,
             exponent: None,
         }
+    }
+
+    /// The texels of level 0.
+    fn first_level(&self) -> &[[f32; 3]] {
+        let (width, height) = self.size();
+        let count = self.layout.faces() * (width as usize + 2) * (height as usize + 2);
+        &self.texels[..count]
+    }
+
+    /// True if both look alike.
+    pub(crate) fn has_first_level_of(&self, other: &Self) -> bool {
+        let sides = |e: &Self| (e.layout, e.size());
+        sides(self) == sides(other) && self.first_level() == other.first_level()
     }
 
     /// The layout.
@@ -283,6 +324,12 @@ mod tests {
                     light(chart.direction(face, centre / sides))
                 });
             assert_eq!(one_by_one, in_any_order, "{chart:?}");
+            // Seven do not divide the texels.
+            let in_groups =
+                Environment::from_groups::<7>(chart, 13, &no_progress, |places, sides| {
+                    places.map(|(face, centre)| light(chart.direction(face, centre / sides)))
+                });
+            assert_eq!(one_by_one, in_groups, "{chart:?}");
             // A face's first texel, after the border's row and one border texel of its own row.
             let texel = one_by_one.unwrap().texel(0, 0, 0);
             let (w, h) = (13 * chart.aspect(), 13);

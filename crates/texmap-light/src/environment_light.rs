@@ -2,16 +2,18 @@
 
 mod gather;
 mod prefilter;
+mod roughnesses;
 mod studio;
 
 use texmap_math::deterministic_f64;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::EnvironmentLayout;
 use crate::environment::Environment;
 use crate::error::LightError;
 use crate::lanes::Vector;
 pub use prefilter::Prefilter;
+pub use roughnesses::Roughnesses;
+use roughnesses::STEPS;
 
 /// Light from every direction as surfaces receive it: the sum over all directions is taken once, for each of eleven roughnesses and
 /// for a diffuse surface, and read by direction. Radiances from 0 to a million; others count as the nearer end.
@@ -20,8 +22,11 @@ pub use prefilter::Prefilter;
 /// the eye sees a surface at grazing incidence, whose reflections are longer than wide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentLight {
-    /// A cube. Level k holds the light that the lobe of a roughness of k / 10 gathers; level 0 is the environment.
+    /// A cube. Level k holds the light that the lobe of a roughness of k / 10 gathers; level 0 is the environment. A level that was not
+    /// made reads as the next rougher one that was, the roughest as the last.
     rough: Environment,
+    /// The levels that were made.
+    roughnesses: Roughnesses,
     /// Cosine-weighted means over hemispheres: irradiance over pi.
     diffuse: Environment,
     /// Cosine and sine of the turn about +Y.
@@ -30,39 +35,43 @@ pub struct EnvironmentLight {
     z_up: bool,
 }
 
-/// Levels of roughness but the first.
-const STEPS: usize = 10;
 impl EnvironmentLight {
     /// The light that the lobes gather of an environment, from a cube of `size` texels a side. `size` is at least 16 and at most
     /// [`Environment::MAX_SIDE`]; a quarter of a lat-long's width keeps its detail. With the feature `rayon` by every thread of the
-    /// current pool; the same bits.
+    /// current pool; the same bits. [`Prefilter::light`] gathers for some roughnesses alone.
     ///
     /// # Errors
     /// [`LightError::LayoutSize`] for another size.
     pub fn new(environment: &Environment, size: u32) -> Result<Self, LightError> {
-        Prefilter::new(environment, size).and_then(Self::of_prefilter)
+        Prefilter::new(environment, size).and_then(|mut made| made.light(Roughnesses::ALL))
     }
 
-    /// The light of a cube that has the size of level 0.
-    fn of_cube(cube: Environment) -> Result<Self, LightError> {
-        Self::of_prefilter(Prefilter::of_cube(cube))
-    }
-
-    fn of_prefilter(mut prefilter: Prefilter) -> Result<Self, LightError> {
-        let (layout, size) = (EnvironmentLayout::Cube, prefilter.cube().size().0);
-        let mut rough = alloc::vec![];
-        for step in 1..=STEPS {
-            let roughness = step as f32 / STEPS as f32;
-            let size = prefilter::size_of(size, roughness);
-            rough.push(prefilter.lobe(layout, size, roughness)?);
-        }
-        let diffuse = prefilter.diffuse(layout, prefilter::DIFFUSE_SIZE)?;
-        Ok(Self {
-            rough: Environment::of_levels(prefilter.cube(), &rough),
+    fn of(rough: Environment, diffuse: Environment, roughnesses: Roughnesses) -> Self {
+        Self {
+            rough,
+            roughnesses,
             diffuse,
             turn: [1.0, 0.0],
             z_up: false,
+        }
+    }
+
+    /// This light with the levels of another, as it is turned; `None` unless both are of one environment.
+    #[must_use]
+    pub fn with_levels_of(&self, other: &Self) -> Option<Self> {
+        let same = self.diffuse == other.diffuse && self.rough.has_first_level_of(&other.rough);
+        same.then(|| Self {
+            turn: self.turn,
+            z_up: self.z_up,
+            ..other.clone()
         })
+    }
+
+    /// The roughnesses that it was made for: all, unless it is of [`Prefilter::light`]. `Scene::check` of texmap-scene refuses
+    /// surfaces of others.
+    #[must_use]
+    pub fn roughnesses(&self) -> Roughnesses {
+        self.roughnesses
     }
 
     /// The light turned about +Y by an angle in radians. A right angle turns +X to -Z.
@@ -93,7 +102,8 @@ impl EnvironmentLight {
     }
 
     /// Light that a lobe of this perceptual roughness gathers around a direction of any length, the mean of the environment with
-    /// the weight `D(H) (L.R)`. Zero and non-finite directions read as +Z.
+    /// the weight `D(H) (L.R)`. Zero and non-finite directions read as +Z. Of a roughness that it was [not made
+    /// for](Self::roughnesses) it is that of the next rougher one, or of the roughest.
     #[must_use]
     pub fn radiance(&self, roughness: f32, direction: [f32; 3]) -> [f32; 3] {
         self.radiance_lanes(Scalar, roughness, direction)

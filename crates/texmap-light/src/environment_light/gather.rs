@@ -5,13 +5,15 @@ use core::f64::consts::PI;
 
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::lanes::LANES;
+use texmap_math::progress::no_progress;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Level, deterministic_f32, deterministic_f64, dispatch_simd};
 
-use crate::EnvironmentLayout;
 use crate::environment::Environment;
+use crate::error::LightError;
 use crate::lanes::Vector;
 use crate::vector::{dot, narrow, splat};
+use crate::{EnvironmentLayout, level};
 
 /// Weights of directions by the cosine `c` of their angle from the lobe's axis.
 #[derive(Clone, Copy, Debug)]
@@ -105,30 +107,43 @@ impl Sixteen {
     }
 
     #[inline(always)]
-    fn cosine<I: Isa>(&self, i: I, at: usize, to: Vector<I>) -> I::F32 {
+    fn directions<I: Isa>(&self, i: I, at: usize) -> Vector<I> {
         let [x, y, z] = &self.direction;
-        let d = [
+        [
             i.load_f32(&x[at..]),
             i.load_f32(&y[at..]),
             i.load_f32(&z[at..]),
-        ];
-        dot(d, to)
+        ]
     }
 
-    /// Adds red, green, blue and solid angle; of grey light red for all three.
+    /// Light and solid angle; of grey light red for all three colours, which are not looked at.
     #[inline(always)]
-    fn add<I: Isa, const GREY: bool>(
-        &self,
-        i: I,
-        at: usize,
-        weight: I::F32,
-        sums: &mut [I::F32; 4],
-    ) {
-        for k in if GREY { &[0, 3][..] } else { &[0, 1, 2, 3] } {
-            sums[*k] = sums[*k] + i.load_f32(&self.light[*k][at..]) * weight;
+    fn light<I: Isa, const GREY: bool>(&self, i: I, at: usize) -> [I::F32; 4] {
+        let [r, g, b, angle] = &self.light;
+        let [r, angle] = [i.load_f32(&r[at..]), i.load_f32(&angle[at..])];
+        match GREY {
+            true => [r, r, r, angle],
+            false => [r, i.load_f32(&g[at..]), i.load_f32(&b[at..]), angle],
         }
     }
 }
+
+/// Adds weighted light, of grey light red and solid angle alone.
+#[inline(always)]
+fn add<T: Number<f32>, const GREY: bool>(sums: &mut [T; 4], light: [T; 4], weight: T) {
+    for k in if GREY { &[0, 3][..] } else { &[0, 1, 2, 3] } {
+        sums[*k] = sums[*k] + light[*k] * weight;
+    }
+}
+
+/// Directions that are gathered at once: they read the same patches, or nearly.
+pub(super) const AT_ONCE: usize = 4;
+
+/// Sixteen columns of sums of red, green, blue and weights.
+type Sums = [[f32; LANES]; 4];
+
+/// The first patch of a vector of patches, and those of them by their bits that are near to each direction.
+type Near = (usize, [u32; AT_ONCE]);
 
 /// The texels of a level of a cube in patches of four by four, and the patches' means.
 #[derive(Debug)]
@@ -200,18 +215,55 @@ impl Texels {
         this
     }
 
-    /// The mean light by a kernel around a direction.
-    pub(super) fn gather(&self, level: Level, kernel: Kernel, r: DVec3) -> [f32; 3] {
-        let mut sums = [[0.0; LANES]; 4];
-        let r = narrow(r);
-        if self.grey {
-            dispatch_simd!(level, i => self.sum::<_, true>(i, kernel, r, &mut sums));
-            (sums[1], sums[2]) = (sums[0], sums[0]);
-        } else {
-            dispatch_simd!(level, i => self.sum::<_, false>(i, kernel, r, &mut sums));
+    /// The light by a kernel around directions.
+    pub(super) fn lobe(&self, kernel: Kernel) -> Lobe<'_> {
+        Lobe {
+            texels: self,
+            kernel,
+            near: kernel.near(self.radius),
+            level: level(),
         }
-        let [r, g, b, weight] = sums.map(|lanes| lanes.into_iter().map(f64::from).sum::<f64>());
-        [r, g, b].map(|c| (c / weight) as f32)
+    }
+}
+
+/// A kernel over the texels of a cube.
+#[derive(Debug)]
+pub(super) struct Lobe<'a> {
+    texels: &'a Texels,
+    kernel: Kernel,
+    /// Cosine of the angle within which texels are weighted one by one.
+    near: f32,
+    level: Level,
+}
+
+impl Lobe<'_> {
+    /// The environment whose texels hold the mean light around their directions.
+    pub(super) fn environment(
+        &self,
+        layout: EnvironmentLayout,
+        size: u32,
+    ) -> Result<Environment, LightError> {
+        Environment::from_groups(layout, size, &no_progress, |places, sides| {
+            self.means(places.map(|(face, centre)| layout.direction(face, centre / sides)))
+        })
+    }
+
+    /// The mean light around each direction.
+    fn means(&self, directions: [DVec3; AT_ONCE]) -> [[f32; 3]; AT_ONCE] {
+        let mut sums = [[[0.0; LANES]; 4]; AT_ONCE];
+        let to = directions.map(narrow);
+        if self.texels.grey {
+            dispatch_simd!(self.level, i => self.sum::<_, true>(i, to, &mut sums));
+            for [r, g, b, _] in &mut sums {
+                (*g, *b) = (*r, *r);
+            }
+        } else {
+            dispatch_simd!(self.level, i => self.sum::<_, false>(i, to, &mut sums));
+        }
+        sums.map(|sums| {
+            let [r, g, b, weight] = sums.map(|lanes| lanes.into_iter().map(f64::from).sum::<f64>());
+            [r, g, b].map(|c| (c / weight) as f32)
+        })
     }
 
     /// The sums of sixteen columns: far patches, then the texels of near ones.
@@ -219,53 +271,79 @@ impl Texels {
     fn sum<I: Isa, const GREY: bool>(
         &self,
         i: I,
-        kernel: Kernel,
-        r: [f32; 3],
-        sums: &mut [[f32; LANES]; 4],
+        to: [[f32; 3]; AT_ONCE],
+        sums: &mut [Sums; AT_ONCE],
     ) {
-        let to = splat(i, r);
-        let local = kernel.is_local();
-        let limit = kernel.near(self.radius);
-        let mut near = Vec::new();
+        let (kernel, zero) = (self.kernel, i.f32(0.0));
+        let mut axes = [[zero; 3]; AT_ONCE];
+        for (axis, to) in axes.iter_mut().zip(to) {
+            *axis = splat(i, to);
+        }
+        let all = u32::MAX >> (32 - I::LANES);
+        let mut near: Vec<Near> = Vec::new();
         for at in (0..LANES).step_by(I::LANES) {
-            let mut lanes = [i.f32(0.0); 4];
-            for (k, means) in self.means.iter().enumerate() {
-                let c = means.cosine(i, at, to);
-                let far = c.simd_lt(limit);
-                let bits = !far.to_bitmask() & (u32::MAX >> (32 - I::LANES));
-                if bits != 0 {
+            let mut lanes = [[zero; 4]; AT_ONCE];
+            for (k, means) in self.texels.means.iter().enumerate() {
+                let d = means.directions(i, at);
+                let mut cosines = [zero; AT_ONCE];
+                let (mut far, mut bits) = ([i.mask(false); AT_ONCE], [0; AT_ONCE]);
+                let (mut some, mut weighs) = (0, i.mask(false));
+                for n in 0..AT_ONCE {
+                    cosines[n] = dot(d, axes[n]);
+                    far[n] = cosines[n].simd_lt(self.near);
+                    bits[n] = !far[n].to_bitmask() & all;
+                    some |= bits[n];
+                    weighs = weighs | (far[n] & cosines[n].simd_gt(0.0));
+                }
+                if some != 0 {
                     near.push((k * LANES + at, bits));
                 }
                 // Half of all patches lie behind the axis, where no kernel that is not local weighs anything.
-                if !local && (far & c.simd_gt(i.f32(0.0))).any_true() {
-                    let weight = far.select(kernel.weight(i, c), i.f32(0.0));
-                    means.add::<I, GREY>(i, at, weight, &mut lanes);
+                if !kernel.is_local() && weighs.any_true() {
+                    let light = means.light::<I, GREY>(i, at);
+                    for n in 0..AT_ONCE {
+                        let weight = far[n].select(kernel.weight(i, cosines[n]), zero);
+                        add::<_, GREY>(&mut lanes[n], light, weight);
+                    }
                 }
             }
-            for (lanes, sum) in lanes.iter().zip(&mut *sums) {
-                lanes.store(&mut sum[at..]);
+            for (lanes, sums) in lanes.iter().zip(&mut *sums) {
+                for (lanes, sum) in lanes.iter().zip(sums) {
+                    lanes.store(&mut sum[at..]);
+                }
             }
         }
         // Near patches in the order of their numbers, which is the same at every width.
         near.sort_unstable();
         for at in (0..LANES).step_by(I::LANES) {
-            let mut lanes = [i.f32(0.0); 4];
-            for (lanes, sum) in lanes.iter_mut().zip(&*sums) {
-                *lanes = i.load_f32(&sum[at..]);
-            }
-            for (first, bits) in &near {
-                let mut bits = *bits;
-                while bits != 0 {
-                    let patch = self.patches.get(first + bits.trailing_zeros() as usize);
-                    if let Some(patch) = patch {
-                        let weight = kernel.weight(i, patch.cosine(i, at, to));
-                        patch.add::<I, GREY>(i, at, weight, &mut lanes);
-                    }
-                    bits &= bits - 1;
+            let mut lanes = [[zero; 4]; AT_ONCE];
+            for (lanes, sums) in lanes.iter_mut().zip(&*sums) {
+                for (lanes, sum) in lanes.iter_mut().zip(sums) {
+                    *lanes = i.load_f32(&sum[at..]);
                 }
             }
-            for (lanes, sum) in lanes.iter().zip(&mut *sums) {
-                lanes.store(&mut sum[at..]);
+            for (first, bits) in &near {
+                let mut some = bits[0] | bits[1] | bits[2] | bits[3];
+                while some != 0 {
+                    let lane = some.trailing_zeros();
+                    some &= some - 1;
+                    let Some(patch) = self.texels.patches.get(first + lane as usize) else {
+                        continue;
+                    };
+                    let d = patch.directions(i, at);
+                    let light = patch.light::<I, GREY>(i, at);
+                    for n in 0..AT_ONCE {
+                        // Far from this direction it is counted already: nothing is added then.
+                        let counts = ((bits[n] >> lane) & 1) as f32;
+                        let weight = kernel.weight(i, dot(d, axes[n])) * counts;
+                        add::<_, GREY>(&mut lanes[n], light, weight);
+                    }
+                }
+            }
+            for (lanes, sums) in lanes.iter().zip(&mut *sums) {
+                for (lanes, sum) in lanes.iter().zip(sums) {
+                    lanes.store(&mut sum[at..]);
+                }
             }
         }
     }
@@ -293,21 +371,44 @@ mod tests {
         Kernel::Gaussian(625.0),
     ];
 
+    /// Four directions side by side, as texels of one row lie, or far apart, as at the end of a row.
+    fn groups() -> [[DVec3; AT_ONCE]; 2] {
+        let near = [0.0, 0.03, 0.06, 0.09].map(|x| DVec3::new(0.4 + x, -0.48, 0.8).normalize());
+        [
+            near,
+            [DVec3::X, DVec3::Y, DVec3::NEG_Z, DVec3::ONE.normalize()],
+        ]
+    }
+
     #[test]
     fn widths_agree() {
         for size in [3, 16, 22] {
             let texels = Texels::new(&noise(size), 0);
-            for (kernel, d) in KERNELS
-                .into_iter()
-                .zip([DVec3::X, DVec3::Y, DVec3::NEG_Z].into_iter().cycle())
-            {
-                let mut plain = [[0.0; LANES]; 4];
-                texels.sum::<_, false>(Scalar, kernel, narrow(d), &mut plain);
-                every_width!(i => {
-                    let mut sums = [[0.0; LANES]; 4];
-                    texels.sum::<_, false>(i, kernel, narrow(d), &mut sums);
-                    assert_eq!(sums, plain, "{size} {kernel:?}");
-                });
+            for kernel in KERNELS {
+                for to in groups().map(|group| group.map(narrow)) {
+                    let lobe = texels.lobe(kernel);
+                    let mut plain = [[[0.0; LANES]; 4]; AT_ONCE];
+                    lobe.sum::<_, false>(Scalar, to, &mut plain);
+                    every_width!(i => {
+                        let mut sums = [[[0.0; LANES]; 4]; AT_ONCE];
+                        lobe.sum::<_, false>(i, to, &mut sums);
+                        assert_eq!(sums, plain, "{size} {kernel:?}");
+                    });
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn directions_do_not_depend_on_those_beside_them() {
+        let texels = Texels::new(&noise(16), 0);
+        for kernel in KERNELS {
+            let lobe = texels.lobe(kernel);
+            for group in groups() {
+                let together = lobe.means(group);
+                let alone = group.map(|d| lobe.means([d; AT_ONCE])[0]);
+                assert_eq!(together, alone, "{kernel:?}");
+                assert_ne!(together[0], together[3], "{kernel:?}");
             }
         }
     }
@@ -342,7 +443,7 @@ mod tests {
                         }
                     }
                 }
-                let got = f64::from(texels.gather(crate::level(), kernel, d)[1]);
+                let got = f64::from(texels.lobe(kernel).means([d; AT_ONCE])[0][1]);
                 let off = (got / (exact[1] / exact[3]) - 1.0).abs();
                 assert!(off < 0.02, "{kernel:?} {d}: {off}");
                 blind = blind.max((coarse[1] / coarse[3] / (exact[1] / exact[3]) - 1.0).abs());

@@ -2,13 +2,14 @@
 
 use alloc::vec::Vec;
 
-use texmap_math::progress::no_progress;
 use texmap_math::simd::{Scalar, prelude::*};
 
 use super::gather::{Kernel, Texels};
+use super::roughnesses::{Roughnesses, STEPS};
+use super::{EnvironmentLight, studio};
+use crate::EnvironmentLayout;
 use crate::environment::Environment;
 use crate::error::LightError;
-use crate::{EnvironmentLayout, level};
 
 /// An environment ready to be gathered by the lobes of roughnesses and of a diffuse surface. Radiances from 0 to a million; others count
 /// as the nearer end. With the feature `rayon` by every thread of the current pool; the same bits.
@@ -18,6 +19,9 @@ pub struct Prefilter {
     cube: Environment,
     /// Levels of the cube that were gathered.
     sources: Vec<(usize, Texels)>,
+    /// The diffuse cube and the levels of roughness that were made for a light.
+    around: Option<Environment>,
+    rough: [Option<Environment>; STEPS],
 }
 
 /// Texels a side of the diffuse cube: the kink that a sun makes at its horizon is off by 1.2 % of its light. (Nine spherical
@@ -69,7 +73,41 @@ impl Prefilter {
         Self {
             cube: cube.with_mips(),
             sources: Vec::new(),
+            around: None,
+            rough: [const { None }; STEPS],
         }
+    }
+
+    /// The room of [`EnvironmentLight::studio`].
+    #[must_use]
+    pub fn studio() -> Self {
+        Self::of_cube(studio::room())
+    }
+
+    /// The light for surfaces of some roughnesses. Levels that were made for an earlier light are not made again.
+    ///
+    /// # Errors
+    /// [`LightError::LayoutSize`] as [`Environment::from_fn`] has them; the sizes here are within its range.
+    pub fn light(&mut self, roughnesses: Roughnesses) -> Result<EnvironmentLight, LightError> {
+        let layout = EnvironmentLayout::Cube;
+        let diffuse = match self.around.take() {
+            Some(made) => made,
+            None => self.diffuse(layout, DIFFUSE_SIZE)?,
+        };
+        self.around = Some(diffuse.clone());
+        for step in roughnesses.levels() {
+            if self.rough[step - 1].is_none() {
+                let roughness = step as f32 / STEPS as f32;
+                let size = self.cube.size().0.min(side(roughness));
+                self.rough[step - 1] = Some(self.lobe(layout, size, roughness)?);
+            }
+        }
+        let mut levels = [None; STEPS];
+        for step in roughnesses.levels() {
+            levels[step - 1] = self.rough[step - 1].as_ref();
+        }
+        let rough = Environment::of_levels(&self.cube, &levels);
+        Ok(EnvironmentLight::of(rough, diffuse, roughnesses))
     }
 
     /// The environment itself, a cube with mips.
@@ -157,20 +195,12 @@ impl Prefilter {
         let levels = &self.cube.levels;
         let above = levels.iter().take_while(|level| level.width > source);
         let wanted = above.count().min(levels.len() - 1);
-        if self.sources.iter().all(|(level, _)| *level != wanted) {
+        let found = self.sources.iter().position(|(level, _)| *level == wanted);
+        let source = found.unwrap_or(self.sources.len());
+        if found.is_none() {
             self.sources.push((wanted, Texels::new(&self.cube, wanted)));
         }
-        let found = self.sources.iter().find(|(level, _)| *level == wanted);
-        let texels = found.map(|(_, texels)| texels);
-        let simd = level();
-        Environment::from_directions(layout, size, &no_progress, |face, centre, sides| {
-            let r = layout.direction(face, centre / sides);
-            texels.map_or([0.0; 3], |texels| texels.gather(simd, kernel, r))
-        })
+        let (_, texels) = &self.sources[source];
+        texels.lobe(kernel).environment(layout, size)
     }
-}
-
-/// Texels a side that [`Prefilter`] gathers for a roughness, in a cube of `size`.
-pub(super) fn size_of(size: u32, roughness: f32) -> u32 {
-    size.min(side(roughness))
 }

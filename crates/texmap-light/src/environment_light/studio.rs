@@ -7,10 +7,10 @@ use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::progress::no_progress;
 
-use super::EnvironmentLight;
 use super::gather::{Kernel, Texels};
+use super::{EnvironmentLight, Prefilter, Roughnesses};
 use crate::environment::Environment;
-use crate::{EnvironmentLayout, LightError, level};
+use crate::{EnvironmentLayout, LightError};
 
 /// Texels a side. The blur leaves nothing finer.
 const SIZE: u32 = 64;
@@ -161,41 +161,44 @@ fn radiance(solids: &[Solid], d: DVec3) -> f64 {
     own.unwrap_or_else(|| lit(EYE + d * nearest, normal))
 }
 
+/// The light of the room as its eye sees it.
+pub(super) fn room() -> Environment {
+    let solids = Solid::all();
+    let room = Environment::from_directions(
+        EnvironmentLayout::Cube,
+        SIZE,
+        &no_progress,
+        |face, centre, sides| {
+            let mut sum = 0.0;
+            for ray in 0..RAYS * RAYS {
+                let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(RAYS) - 0.5;
+                let offset = DVec2::new(inside(ray % RAYS), inside(ray / RAYS));
+                let uv = (centre + offset) / sides;
+                sum += radiance(&solids, EnvironmentLayout::Cube.direction(face, uv));
+            }
+            [(sum / f64::from(RAYS * RAYS)) as f32; 3]
+        },
+    );
+    let soft = room.and_then(|room| {
+        let lobe = Kernel::gaussian(BLUR);
+        Texels::new(&room, 0)
+            .lobe(lobe)
+            .environment(EnvironmentLayout::Cube, SIZE)
+    });
+    soft.unwrap_or_else(out_of_range)
+}
+
+/// The error of a size, which is a constant within range.
+fn out_of_range<T>(error: LightError) -> T {
+    unreachable!("the size is within range: {error}")
+}
+
 impl EnvironmentLight {
     /// A neutral studio: a white room with bright windows on four sides and boxes on its floor, for looking at a model that brings
-    /// no light of its own. Its irradiance from above is about 1.4 pi.
+    /// no light of its own. Its irradiance from above is about 1.4 pi. [`Prefilter::studio`] makes it for some roughnesses alone.
     #[must_use]
     pub fn studio() -> Self {
-        let solids = Solid::all();
-        let room = Environment::from_directions(
-            EnvironmentLayout::Cube,
-            SIZE,
-            &no_progress,
-            |face, centre, sides| {
-                let mut sum = 0.0;
-                for ray in 0..RAYS * RAYS {
-                    let inside = |k: u32| (f64::from(k) + 0.5) / f64::from(RAYS) - 0.5;
-                    let offset = DVec2::new(inside(ray % RAYS), inside(ray / RAYS));
-                    let uv = (centre + offset) / sides;
-                    sum += radiance(&solids, EnvironmentLayout::Cube.direction(face, uv));
-                }
-                [(sum / f64::from(RAYS * RAYS)) as f32; 3]
-            },
-        );
-        let soft = room.and_then(|room| {
-            let texels = Texels::new(&room, 0);
-            let (level, kernel) = (level(), Kernel::gaussian(BLUR));
-            Environment::from_directions(
-                EnvironmentLayout::Cube,
-                SIZE,
-                &no_progress,
-                |face, centre, sides| {
-                    let d = EnvironmentLayout::Cube.direction(face, centre / sides);
-                    texels.gather(level, kernel, d)
-                },
-            )
-        });
-        let light = soft.and_then(Self::of_cube);
-        light.unwrap_or_else(|error: LightError| unreachable!("the size is within range: {error}"))
+        let light = Prefilter::studio().light(Roughnesses::ALL);
+        light.unwrap_or_else(out_of_range)
     }
 }

@@ -160,3 +160,41 @@ fn the_studio_is_a_bright_room() {
     assert!(up > 3.0 * down && down > 0.1, "{up} {down}");
     assert_eq!(studio, EnvironmentLight::studio());
 }
+
+/// Levels that are made have the bits of all levels together; those that are not made read as others, not as darkness.
+#[test]
+fn some_levels_are_those_of_all() {
+    let all = EnvironmentLight::studio();
+    let mut studio = Prefilter::studio();
+    let wanted = Roughnesses::between(0.62, 0.62);
+    let some = studio.light(wanted).unwrap();
+    assert_eq!(
+        (some.roughnesses(), all.roughnesses()),
+        (wanted, Roughnesses::ALL)
+    );
+    assert_eq!((some.size(), some.levels()), (all.size(), all.levels()));
+    assert!(some.rough.texels.len() < all.rough.texels.len() / 3);
+    for d in spiral(50).map(narrow) {
+        for roughness in [0.0, 0.6, 0.62, 0.655, 0.7] {
+            assert_eq!(some.radiance(roughness, d), all.radiance(roughness, d));
+        }
+        assert_eq!(some.irradiance(d), all.irradiance(d));
+        assert_eq!(some.radiance(0.2, d), all.radiance(0.6, d));
+        assert_eq!(some.radiance(0.95, d), all.radiance(0.7, d));
+    }
+    // The rest is made later, and what is there is not made again.
+    assert_eq!(studio.light(Roughnesses::ALL).unwrap(), all);
+    let none = studio.light(Roughnesses::NONE).unwrap();
+    assert_eq!(none.radiance(0.0, [1.0; 3]), all.radiance(0.0, [1.0; 3]));
+}
+
+#[test]
+fn levels_are_added_to_light_of_the_same_environment_alone() {
+    let all = EnvironmentLight::studio();
+    let none = Prefilter::studio().light(Roughnesses::NONE).unwrap();
+    let turned = none.turned(0.4).upright_on_z();
+    let whole = turned.with_levels_of(&all);
+    assert_eq!(whole, Some(all.clone().turned(0.4).upright_on_z()));
+    let other = EnvironmentLight::new(&sunny(), 64).unwrap();
+    assert_eq!(turned.with_levels_of(&other), None);
+}
