@@ -1,6 +1,6 @@
 //! Materials: base colour, textures, answer to light.
 
-use texmap_light::{PhongMaterial, SpecularModel};
+use texmap_light::{PhongMaterial, Roughnesses, SpecularModel};
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Sampler, UvTransform};
 
@@ -112,6 +112,15 @@ impl Material {
             None => false,
             Some(None) => true,
             Some(Some(all)) => all.contains(&light),
+        }
+    }
+
+    /// The roughnesses at which it reflects an environment that lights it from all around.
+    #[must_use]
+    pub fn roughnesses(&self) -> Roughnesses {
+        match &self.metallic_roughness {
+            Some(model) if self.shading == Shading::PerPixel => model.roughnesses(),
+            _ => Roughnesses::NONE,
         }
     }
 

@@ -1,5 +1,7 @@
 //! The metallic-roughness model of a surface (glTF 2.0, appendix B) with its extensions, as data.
 
+use texmap_light::Roughnesses;
+
 use crate::{Material, TextureSlot};
 
 /// Reflectance by metalness and roughness: a GGX lobe over a diffuse base, both lit by lights and by the environment light of
@@ -124,6 +126,19 @@ impl MetallicRoughness {
         .chain(sheen)
         .flatten()
         .chain(self.occlusion.iter_mut().map(|(slot, _)| slot))
+    }
+
+    /// The roughnesses at which it reflects an environment: its own and its clear layer's, all below them where there is a map.
+    #[must_use]
+    pub fn roughnesses(&self) -> Roughnesses {
+        let of = |roughness: f32, map: &Option<TextureSlot>| match map {
+            // Filters with negative weights leave the range of a map.
+            Some(_) => Roughnesses::ALL,
+            None => Roughnesses::between(roughness, roughness),
+        };
+        let coat = self.clearcoat.as_ref();
+        let coat = coat.map(|coat| of(coat.roughness, &coat.roughness_map));
+        of(self.roughness, &self.map) | coat.unwrap_or_default()
     }
 
     /// True if every number is finite and within its range.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use texmap_light::Light;
+use texmap_light::{Light, Roughnesses};
 use texmap_math::camera::Camera;
 use texmap_raster::DepthTest;
 use texmap_sample::Texture2d;
@@ -52,6 +52,13 @@ impl Scene {
             effects: Effects::default(),
             warnings: Vec::new(),
         }
+    }
+
+    /// The roughnesses at which surfaces reflect the environment light.
+    #[must_use]
+    pub fn roughnesses(&self) -> Roughnesses {
+        let materials = self.materials.iter();
+        materials.fold(Roughnesses::NONE, |all, m| all | m.roughnesses())
     }
 }
 

@@ -152,6 +152,7 @@ impl Scene {
                 expected: "it must be finite and not negative",
             });
         }
+        self.check_roughnesses()?;
         for shadow in &self.effects.shadows {
             self.check_shadow(shadow, warnings)?;
         }
@@ -193,6 +194,24 @@ impl Scene {
             }
         }
         Ok(())
+    }
+
+    /// Error if a surface reflects levels of the environment light that were not made.
+    fn check_roughnesses(&self) -> Result<(), SceneError> {
+        let Some(light) = &self.effects.environment_light else {
+            return Ok(());
+        };
+        let made = light.roughnesses();
+        let mut materials = self.materials.iter();
+        match materials.find(|material| !made.contains(material.roughnesses())) {
+            None => Ok(()),
+            Some(material) => Err(SceneError::Value {
+                place: format!("material '{}'", material.name),
+                what: "roughness".to_owned(),
+                value: "not among those that the environment light was made for".to_owned(),
+                expected: "make the light for `Scene::roughnesses`, or for all",
+            }),
+        }
     }
 
     fn check_shadow(&self, shadow: &Shadow, warnings: &mut Vec<String>) -> Result<(), SceneError> {
