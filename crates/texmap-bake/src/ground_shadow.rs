@@ -1,22 +1,21 @@
 //! The shadow of a scene on the ground under it, as a texture of opacity: a shadow catcher.
 
+mod sky;
+
 use rayon::prelude::*;
-use texmap_light::Light;
+use texmap_light::Roughnesses;
 use texmap_math::camera::{Camera, Lens};
-use texmap_math::deterministic_f64;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_render::{RenderError, RenderSettings, no_progress, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Texture2d};
-use texmap_scene::{AlphaMode, Material, Mesh, Scene, Shading, TextureSlot};
+use texmap_scene::{AlphaMode, Material, Mesh, Scene, SceneError, Shading, TextureSlot};
+
+use sky::{LOBE, sky};
 
 /// Texels a side of the shadow.
 const SIDE: u32 = 256;
 /// Pixels a side of the outline that the scene has from a direction.
 const OUTLINE: u32 = 256;
-/// Directions to the sky, spread by the cosine of their angle from the vertical.
-const DIRECTIONS: u32 = 96;
-/// Roughness whose lobe is about as wide as the sky around one of them.
-const LOBE: f32 = 0.3;
 /// Share of the way from the middle of the ground to its edge at which the shadow begins to fade.
 const FADE: f64 = 0.6;
 
@@ -103,11 +102,21 @@ impl GroundShadow {
     /// triangles that cast shadows.
     ///
     /// # Errors
-    /// Those of [`render`].
+    /// Those of [`render`]; [`SceneError::Value`] for environment light that was not made for [`roughnesses`](Self::roughnesses).
     pub fn new(scene: &Scene, up: DVec3) -> Result<Option<Self>, RenderError> {
         let Some(place) = Place::new(scene, up) else {
             return Ok(None);
         };
+        if let Some(light) = &scene.effects.environment_light
+            && !light.roughnesses().contains(Self::roughnesses())
+        {
+            return Err(RenderError::Scene(SceneError::Value {
+                place: "ground shadow".to_owned(),
+                what: "its roughness".to_owned(),
+                value: "not among those that the environment light was made for".to_owned(),
+                expected: "make the light for `GroundShadow::roughnesses` too",
+            }));
+        }
         let sky = sky(scene, &place);
         let all: f64 = sky.iter().map(|(_, weight)| weight).sum();
         let mut lost = vec![0.0_f64; (SIDE * SIDE) as usize];
@@ -143,6 +152,12 @@ impl GroundShadow {
                 .map(|(i, lost)| (lost * fade(i)) as f32)
                 .collect(),
         }))
+    }
+
+    /// The levels of environment light that are read.
+    #[must_use]
+    pub fn roughnesses() -> Roughnesses {
+        Roughnesses::between(LOBE, LOBE)
     }
 
     /// Opacity of the shadow at a place of its square, u and v from 0 to 1: 0 where all of the light arrives.
@@ -204,69 +219,6 @@ impl GroundShadow {
             .meshes
             .insert(first.unwrap_or(scene.meshes.len()), mesh);
     }
-}
-
-/// Directions to the light in the directions of the axes, and what the ground receives from each.
-fn sky(scene: &Scene, place: &Place) -> Vec<(DVec3, f64)> {
-    let luminance = |c: [f32; 3]| {
-        let [r, g, b] = c.map(f64::from);
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    };
-    let ambient = scene.lights.iter().filter_map(|light| match light {
-        Light::Ambient { color } => Some(luminance(*color)),
-        _ => None,
-    });
-    let ambient: f64 = ambient.sum();
-    let suns = scene.lights.iter().filter_map(|light| match light {
-        Light::Directional { color, direction } => {
-            let d = -DVec3::from(direction.map(f64::from));
-            let d = DVec3::from(place.axes.map(|axis| axis.dot(d))).try_normalize()?;
-            (d.z > 0.02).then(|| (d, luminance(*color) * d.z))
-        }
-        _ => None,
-    });
-    let suns: Vec<(DVec3, f64)> = suns.collect();
-    let environment = scene.effects.environment_light.as_ref();
-    let even = match suns.is_empty() && ambient == 0.0 {
-        true => 1.0,
-        false => ambient,
-    };
-    let radiance = |d: DVec3| match environment {
-        Some(light) => {
-            let world = place.world(d).to_array().map(|x| x as f32);
-            luminance(light.radiance(LOBE, world)) + ambient
-        }
-        None => even,
-    };
-    let mut sky: Vec<(DVec3, f64)> = (0..DIRECTIONS)
-        .map(|k| {
-            let d = spread(k, DIRECTIONS, 1.0);
-            (d, radiance(d) / f64::from(DIRECTIONS))
-        })
-        .collect();
-    // A sun of five degrees, so that its shadow has soft edges.
-    const POINTS: u32 = 9;
-    for (toward, weight) in suns {
-        let right = across(toward, DVec3::Y);
-        let back = right.cross(toward);
-        for k in 0..POINTS {
-            let p = spread(k, POINTS, 0.002);
-            let d = right * p.x + back * p.y + toward * p.z;
-            if d.z > 0.02 {
-                sky.push((d, weight / f64::from(POINTS)));
-            }
-        }
-    }
-    sky
-}
-
-/// Direction `k` of `n` about +Z, spread by the cosine over squared sines up to `most`, along a spiral of the golden angle.
-fn spread(k: u32, n: u32, most: f64) -> DVec3 {
-    const GOLDEN: f64 = 2.399_963_229_728_653;
-    let square = (f64::from(k) + 0.5) / f64::from(n) * most;
-    let (sin, cos) = deterministic_f64::sin_cos(f64::from(k) * GOLDEN);
-    let radius = square.sqrt();
-    DVec3::new(radius * cos, radius * sin, (1.0 - square).sqrt())
 }
 
 /// The triangles of a scene that cast shadows, as they cover pixels.
@@ -387,6 +339,8 @@ impl Outline {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use texmap_light::{Environment, EnvironmentLayout, EnvironmentLight, Light, Prefilter};
+    use texmap_math::deterministic_f64;
 
     fn scene(mesh: Mesh) -> Scene {
         Scene {
@@ -427,6 +381,75 @@ mod tests {
             let right = hidden(f64::from(height));
             assert!((got - right).abs() < 0.03, "{height}: {got} {right}");
         }
+    }
+
+    /// A sky with a window, of three quarters of the light, before which the board hides the ground in part.
+    fn window() -> EnvironmentLight {
+        let toward = DVec3::new(1.0, 1.2, 0.0).normalize();
+        let light = |d: DVec3| match d.dot(toward) > 0.98 {
+            true => [60.0; 3],
+            false => [0.5; 3],
+        };
+        let sky = Environment::from_fn(EnvironmentLayout::Cube, 64, light).unwrap();
+        let light = Prefilter::new(&sky, 64).and_then(|mut sky| sky.light(Roughnesses::ALL));
+        light.unwrap()
+    }
+
+    /// Along a line through the penumbra of a window: the share of its light by 512 x 512 rays. Of 128 shares in compact parts of the
+    /// sky some 4 sqrt(128) = 45 are cut by the outline of the board, each right to half of itself: sqrt(45) / 2 / 128 = 0.026 is one
+    /// standard deviation, the pixels of the outlines and the lobe of a cell add 0.02.
+    #[test]
+    fn a_window_has_a_soft_shadow() {
+        let mut scene = scene(board(1.0));
+        let light = window();
+        scene.effects.environment_light = Some(light.clone());
+        let shadow = GroundShadow::new(&scene, DVec3::Y).unwrap().unwrap();
+        let [first, right, _, back] = shadow.corners();
+        let at = |p: DVec3| {
+            let along = |side: DVec3| (p - first).dot(side) / side.length_squared();
+            f64::from(shadow.opacity(along(right - first), along(back - first)))
+        };
+        let rays: Vec<(DVec3, f64)> = (0..512 * 512)
+            .map(|k| {
+                let c = |k: u32| 2.0 * (f64::from(k) + 0.5) / 512.0 - 1.0;
+                let (x, z) = (c(k % 512), c(k / 512));
+                let d = DVec3::new(x, (1.0 - x * x - z * z).max(0.0).sqrt(), z);
+                let light = light.radiance(0.0, d.to_array().map(|c| c as f32))[0];
+                (d, if d.y > 0.0 { f64::from(light) } else { 0.0 })
+            })
+            .collect();
+        let all: f64 = rays.iter().map(|(_, light)| light).sum();
+        let (mut last, mut most, mut worst, mut steepest) = (None, 0.0_f64, 0.0_f64, 0.0_f64);
+        for step in 0..60 {
+            let p = DVec3::new(-2.4 + 0.04 * f64::from(step), first.y, 0.1);
+            let hits = |d: DVec3| {
+                let hit = p + d * ((1.0 - p.y) / d.y);
+                hit.x.abs() < 1.0 && hit.z.abs() < 1.0
+            };
+            let hidden: f64 = rays.iter().filter(|(d, _)| hits(*d)).map(|(_, w)| w).sum();
+            let got = at(p);
+            worst = worst.max((got - hidden / all).abs());
+            steepest = steepest.max((got - last.unwrap_or(got)).abs());
+            most = most.max(hidden / all);
+            last = Some(got);
+        }
+        assert!(most > 0.7, "{most}");
+        assert!(worst < 0.08, "{worst}");
+        // A direction with a quarter of the light would make a step of that much.
+        assert!(steepest < 0.12, "{steepest}");
+    }
+
+    /// Light that was made for other roughnesses is not read.
+    #[test]
+    fn levels_that_are_missing_are_refused() {
+        let mut scene = scene(board(1.0));
+        let sky = Environment::from_fn(EnvironmentLayout::Cube, 16, |_| [1.0; 3]).unwrap();
+        let mut sky = Prefilter::new(&sky, 16).unwrap();
+        scene.effects.environment_light = sky.light(Roughnesses::NONE).ok();
+        let error = GroundShadow::new(&scene, DVec3::Y).unwrap_err().to_string();
+        assert!(error.starts_with("ground shadow: its roughness"), "{error}");
+        scene.effects.environment_light = sky.light(GroundShadow::roughnesses()).ok();
+        assert!(GroundShadow::new(&scene, DVec3::Y).is_ok());
     }
 
     /// Light of one direction alone throws the board sideways by its height.
