@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use texmap_io::framing::{self, Framing, Up};
 use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, LoadOptions};
-use texmap_light::{Light, PhongMaterial};
+use texmap_light::{Light, PhongMaterial, Roughnesses};
 use texmap_math::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_raster::Cull;
@@ -235,6 +235,7 @@ impl Scene {
         };
         self.edit(|this| {
             this.scene.materials.push(material);
+            framing::renew_studio(&mut this.scene, Roughnesses::NONE);
             this.has_mips = false;
             Ok(this.scene.materials.len() - 1)
         })

@@ -16,7 +16,7 @@ pub use bounds::Bounds;
 pub use model_light::{
     light_as_model, light_dark_surfaces, light_model, metallic_surfaces, reads_environment,
 };
-pub use studio::{light_by_studio, studio};
+pub use studio::{light_by_studio, renew_studio, studio};
 
 /// The axis of a model that points up.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
+use texmap_bake::GroundShadow;
 use texmap_io::framing::{
-    Up, auto_lights, light_dark_surfaces, light_model, metallic_surfaces, reads_environment, studio,
+    Up, auto_lights, light_dark_surfaces, light_model, metallic_surfaces, reads_environment,
+    renew_studio, studio,
 };
-use texmap_light::{EnvironmentLayout, EnvironmentLight, ToneMap};
+use texmap_light::{EnvironmentLayout, EnvironmentLight, Prefilter, Roughnesses, ToneMap};
 use texmap_scene::{Background, ColorMode, Material, Scene};
 
 use crate::failure::Failure;
@@ -106,14 +108,14 @@ impl LightArgs {
         }
     }
 
-    /// Begins to make the studio where a model will want it, while the model is read: both take as long.
+    /// Begins to make the studio where a model will want it, while the model is read: all but the levels that its surfaces decide.
     pub(crate) fn prepare(&self, kept: bool, color: Option<ColorMode>) {
         let asked = match &self.env {
             None => !kept && self.shading != Some(Model::Classic),
             Some(env) => *env == Env::Neutral,
         };
         if asked && color != Some(ColorMode::Raw) {
-            std::thread::spawn(|| drop(studio(Up::Y)));
+            std::thread::spawn(|| drop(studio(Up::Y, Roughnesses::NONE)));
         }
     }
 
@@ -137,6 +139,14 @@ impl LightArgs {
         }
     }
 
+    /// The roughnesses that are read beside those of surfaces.
+    fn further(&self) -> Roughnesses {
+        match self.ground_shadow {
+            true => GroundShadow::roughnesses(),
+            false => Roughnesses::NONE,
+        }
+    }
+
     /// Lights a scene, after it was dressed.
     pub(crate) fn light(&self, scene: &mut Scene, lit: &Lit) -> Result<(), Failure> {
         let Lit {
@@ -156,7 +166,8 @@ impl LightArgs {
                 scene.effects.tone_mapping.map = ToneMap::None;
             }
             Some(env) => {
-                scene.effects.environment_light = Some(environment(env, up)?);
+                let wanted = scene.roughnesses() | self.further();
+                scene.effects.environment_light = Some(environment(env, up, wanted)?);
                 scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
                 if !reads_environment(scene) && !behind {
                     let warning = "--env: no surface is metallic-roughness, so that nothing shows its light; --shading metallic-roughness makes all of them so";
@@ -167,6 +178,8 @@ impl LightArgs {
                 }
             }
         }
+        // Surfaces that were changed since the model was read, and the ground.
+        renew_studio(scene, self.further());
         if let (Some(angle), Some(light)) = (self.env_rotate, &scene.effects.environment_light) {
             let turned = light.clone().turned(angle.to_radians());
             scene.effects.environment_light = Some(turned);
@@ -216,14 +229,15 @@ fn not_classic(materials: &[Material]) -> Option<String> {
     })
 }
 
-fn environment(env: &Env, up: Up) -> Result<EnvironmentLight, Failure> {
+fn environment(env: &Env, up: Up, wanted: Roughnesses) -> Result<EnvironmentLight, Failure> {
     let Env::Picture(path) = env else {
-        return Ok(studio(up));
+        return Ok(studio(up, wanted));
     };
     let picture = texmap_io::read_environment(path, EnvironmentLayout::LatLong)?;
     // As many texels around as the picture has.
     let size = (picture.size().0 / 4).clamp(16, 1024);
-    let light = EnvironmentLight::new(&picture, size).map_err(|e| {
+    let light = Prefilter::new(&picture, size).and_then(|mut made| made.light(wanted));
+    let light = light.map_err(|e| {
         Failure::usage(
             format!("--env {}: {e}", path.display()),
             "give a picture of all directions, twice as wide as high",
