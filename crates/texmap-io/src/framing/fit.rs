@@ -5,13 +5,17 @@
 //! vertices that is `ez >= (A + B) / 2t`, and at the least `ez` the eye is at `ex = (A - B) / 2`. The same holds for y; the larger `ez`
 //! serves both.
 
+use rayon::prelude::*;
 use texmap_math::camera::{Camera, Lens};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DVec3};
 use texmap_math::wide;
-use texmap_scene::Scene;
+use texmap_scene::{Mesh, Scene};
 
 use super::Framing;
+
+/// Vertices that a thread takes at once.
+const VERTICES: usize = 1 << 14;
 
 /// Extremes of the vertices in the axes of a picture.
 struct Extent {
@@ -39,6 +43,35 @@ impl Extent {
             *reach = reach.max(value);
         }
         (self.low, self.high) = (self.low.min(p), self.high.max(p));
+    }
+
+    /// The extent of two sets of vertices.
+    fn and(mut self, other: Self) -> Self {
+        for (reach, value) in self.reach.iter_mut().zip(other.reach) {
+            *reach = reach.max(value);
+        }
+        (self.low, self.high) = (self.low.min(other.low), self.high.max(other.high));
+        self
+    }
+
+    /// The extent of all vertices that triangles use, each added by `add`; on every thread.
+    fn of(scene: &Scene, add: impl Fn(&mut Self, DVec3) + Sync) -> Self {
+        let of_mesh = |mesh: &Mesh| {
+            let used = used(mesh);
+            let blocks = mesh.positions.par_chunks(VERTICES);
+            let blocks = blocks.zip(used.par_chunks(VERTICES));
+            let extents = blocks.map(|(positions, used)| {
+                let mut extent = Self::EMPTY;
+                each_used(mesh, positions, used, |p| add(&mut extent, p));
+                extent
+            });
+            extents.reduce(|| Self::EMPTY, Self::and)
+        };
+        scene
+            .meshes
+            .iter()
+            .map(of_mesh)
+            .fold(Self::EMPTY, Self::and)
     }
 
     fn camera(
@@ -111,8 +144,7 @@ pub(super) fn whole(
 ) -> Option<Camera> {
     let (axes, share) = (axes(back, up), share(framing, aspect));
     let into = axes.transpose();
-    let mut extent = Extent::EMPTY;
-    each_vertex(scene, |p| extent.add(into * p, share));
+    let extent = Extent::of(scene, |extent, p| extent.add(into * p, share));
     extent.camera(framing, &axes, share, aspect)
 }
 
@@ -140,8 +172,7 @@ pub(super) fn turntable(
     let cos = (1.0 - sin * sin).max(0.0).sqrt();
     let first = axes(along, upright);
     // A vertex runs round a circle of radius r at height h: its extremes over the whole turn, in the axes of a picture.
-    let mut extent = Extent::EMPTY;
-    each_vertex(scene, |p| {
+    let extent = Extent::of(scene, |extent, p| {
         let p = p - middle;
         let h = p.dot(upright);
         let r = (p - upright * h).length();
@@ -181,17 +212,26 @@ pub(super) fn turntable(
 /// Calls `add` with every vertex that a triangle uses, in world space. Vertices that are not finite are left out.
 fn each_vertex(scene: &Scene, mut add: impl FnMut(DVec3)) {
     for mesh in &scene.meshes {
-        let mut used = vec![false; mesh.positions.len()];
-        for vertex in mesh.triangles.as_flattened() {
-            if let Some(used) = used.get_mut(*vertex as usize) {
-                *used = true;
-            }
+        each_used(mesh, &mesh.positions, &used(mesh), &mut add);
+    }
+}
+
+/// True for each vertex of a mesh that a triangle uses.
+fn used(mesh: &Mesh) -> Vec<bool> {
+    let mut used = vec![false; mesh.positions.len()];
+    for vertex in mesh.triangles.as_flattened() {
+        if let Some(used) = used.get_mut(*vertex as usize) {
+            *used = true;
         }
-        for (position, _) in mesh.positions.iter().zip(&used).filter(|(_, used)| **used) {
-            let p = mesh.world_from_object.transform_point3(wide(*position));
-            if p.is_finite() {
-                add(p);
-            }
+    }
+    used
+}
+
+fn each_used(mesh: &Mesh, positions: &[[f32; 3]], used: &[bool], mut add: impl FnMut(DVec3)) {
+    for (position, _) in positions.iter().zip(used).filter(|(_, used)| **used) {
+        let p = mesh.world_from_object.transform_point3(wide(*position));
+        if p.is_finite() {
+            add(p);
         }
     }
 }
