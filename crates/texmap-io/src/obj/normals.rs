@@ -69,6 +69,61 @@ fn has_direction(v: [f32; 3]) -> bool {
     v != [0.0; 3]
 }
 
+/// Most ranges of vertices. Each goes over all faces once more.
+const MOST_RANGES: usize = 4;
+
+/// Sums of area normals at a range of vertices.
+struct Range<'a> {
+    /// The first vertex.
+    first: usize,
+    sums: &'a mut [[f64; 3]],
+    groups: &'a mut [u32],
+    others: HashMap<(u32, u32), DVec3>,
+}
+
+impl Range<'_> {
+    fn add_all(&mut self, obj: &Obj) {
+        // Memory that is read before its first write is mapped twice.
+        self.groups.fill(0);
+        self.sums.fill([0.0; 3]);
+        let (mut corners, mut points) = (&obj.corners[..], Vec::new());
+        for face in &obj.faces {
+            let (own, rest) = corners.split_at(face.corners as usize);
+            corners = rest;
+            let touches = own.iter().any(|corner| self.place(*corner).is_some());
+            if face.smoothing != 0 && touches {
+                self.add(face, own, obj.area_normal(own, &mut points));
+            }
+        }
+    }
+
+    /// The place of a corner's vertex in the range.
+    fn place(&self, corner: Corner) -> Option<usize> {
+        let place = (corner.vertex as usize).wrapping_sub(self.first);
+        (place < self.sums.len()).then_some(place)
+    }
+
+    /// Adds a face of this area normal.
+    fn add(&mut self, face: &Face, corners: &[Corner], area: DVec3) {
+        for corner in corners {
+            let Some(place) = self.place(*corner) else {
+                continue;
+            };
+            let group = &mut self.groups[place];
+            if *group == 0 {
+                *group = face.smoothing;
+            }
+            if *group == face.smoothing {
+                let sum = &mut self.sums[place];
+                *sum = (DVec3::from(*sum) + area).to_array();
+            } else {
+                let key = (corner.vertex, face.smoothing);
+                *self.others.entry(key).or_default() += area;
+            }
+        }
+    }
+}
+
 /// Means of area normals per vertex and smoothing group.
 #[derive(Debug, Default)]
 struct Smooth {
@@ -81,44 +136,34 @@ struct Smooth {
 }
 
 impl Smooth {
+    /// Each thread goes over all faces and sums the normals of its own range of vertices, in the order of the file.
     fn of(obj: &Obj) -> Self {
-        let mut smooth = Self {
-            groups: vec![0; obj.positions.len()],
-            ..Self::default()
-        };
-        let mut sums = vec![[0.0; 3]; obj.positions.len()];
-        let (mut corners, mut points) = (&obj.corners[..], Vec::new());
-        for face in &obj.faces {
-            let (own, rest) = corners.split_at(face.corners as usize);
-            corners = rest;
-            smooth.add(face, own, obj.area_normal(own, &mut points), &mut sums);
-        }
-        smooth.means = (sums.into_par_iter())
-            .map(|sum| {
-                let mean = unit(DVec3::from(sum));
-                mean.map_or([f32::NAN; 3], |n| n.as_vec3().to_array())
-            })
-            .collect();
-        smooth
-    }
-
-    /// Adds a face of this area normal.
-    fn add(&mut self, face: &Face, corners: &[Corner], area: DVec3, sums: &mut [[f64; 3]]) {
-        if face.smoothing == 0 {
-            return;
-        }
-        for corner in corners {
-            let group = &mut self.groups[corner.vertex as usize];
-            if *group == 0 {
-                *group = face.smoothing;
+        let count = obj.positions.len();
+        let (mut groups, mut means) = (vec![0; count], vec![[0.0; 3]; count]);
+        let mut sums = vec![[0.0; 3]; count];
+        let threads = rayon::current_num_threads().min(MOST_RANGES);
+        let side = count.div_ceil(threads).max(1);
+        let ranges = groups.par_chunks_mut(side).zip(sums.par_chunks_mut(side));
+        let ranges = ranges.zip(means.par_chunks_mut(side)).enumerate();
+        let others = ranges.map(|(number, ((groups, sums), means))| {
+            let mut range = Range {
+                first: number * side,
+                sums,
+                groups,
+                others: HashMap::new(),
+            };
+            range.add_all(obj);
+            for (mean, sum) in means.iter_mut().zip(&*range.sums) {
+                let unit = unit(DVec3::from(*sum));
+                *mean = unit.map_or([f32::NAN; 3], |n| n.as_vec3().to_array());
             }
-            if *group == face.smoothing {
-                let sum = &mut sums[corner.vertex as usize];
-                *sum = (DVec3::from(*sum) + area).to_array();
-            } else {
-                let key = (corner.vertex, face.smoothing);
-                *self.others.entry(key).or_default() += area;
-            }
+            range.others
+        });
+        let others: Vec<_> = others.collect();
+        Self {
+            groups,
+            means,
+            others: others.into_iter().flatten().collect(),
         }
     }
 
