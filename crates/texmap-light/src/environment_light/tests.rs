@@ -1,4 +1,5 @@
 use super::*;
+use crate::EnvironmentLayout;
 use texmap_math::glam::DVec3;
 
 fn wide(c: [f32; 3]) -> DVec3 {
