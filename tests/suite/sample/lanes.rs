@@ -458,6 +458,9 @@ macro_rules! stages {
     )*};
 }
 
+/// A kernel of [`stages`]: level, texture, coordinates, derivatives, and the words that it gives.
+type StageFn = fn(Level, &BoundTexture<'_>, &Places, &[Vec<f32>; 4], &mut [u32]);
+
 stages! {
     nearest(): i, view, uv, _d => packed::nearest_lanes(i, view, uv[0], uv[1]);
     nearest_wide(wide): i, view, uv, _d => packed::nearest_lanes(i, view, uv[0], uv[1]);
@@ -505,13 +508,12 @@ fn stages_give_the_bits_of_single_samples_on_every_level_and_width() {
                         u32::from_le_bytes(c.map(texmap_math::color::unit_to_u8))
                     })
                     .collect();
-                let stages: &[fn(_, &BoundTexture<'_>, &Places, &[Vec<f32>; 4], &mut [u32])] =
-                    match view.kind {
-                        Kernel::Nearest => &[nearest, nearest_wide],
-                        Kernel::Bilinear => &[bilinear, bilinear_wide],
-                        Kernel::Trilinear => &[trilinear],
-                        _ => &[anisotropic],
-                    };
+                let stages: &[StageFn] = match view.kind {
+                    Kernel::Nearest => &[nearest, nearest_wide],
+                    Kernel::Bilinear => &[bilinear, bilinear_wide],
+                    Kernel::Trilinear => &[trilinear],
+                    _ => &[anisotropic],
+                };
                 for (name, level) in levels() {
                     for (form, stage) in stages.iter().enumerate() {
                         out.fill(0);
