@@ -1,6 +1,6 @@
 //! Gain: the operations on texels before they are stored, which decide how much of a filter's error shows.
 
-use texmap_light::Light;
+use texmap_light::{Light, PhongMaterial};
 
 use super::IdleLight;
 use super::lights::distance;
@@ -103,7 +103,10 @@ impl<'s> Lighting<'s> {
     /// straight at the surface and into the eye.
     pub(super) fn gain(&self, mesh: &Mesh, material: &Material) -> Gain {
         if material.texture_role == TextureRole::Decal {
-            return Gain::Exactly([1.0; 3]);
+            return match covered_light(self.scene, material) {
+                false => Gain::Exactly([1.0; 3]),
+                true => self.projected(&material.phong),
+            };
         }
         let color = material.phong.color;
         let lit = material.shading != Shading::Unlit;
@@ -138,11 +141,6 @@ impl<'s> Lighting<'s> {
             return (self.textures.brightest(ramp.texture), [0.0; 3]);
         }
         let (mut sum, mut added) = ([0.0f32; 3], [0.0f32; 3]);
-        let add = |to: &mut [f32; 3], share: f32, color: [f32; 3]| {
-            for (to, c) in to.iter_mut().zip(color) {
-                *to += (share * c).max(0.0);
-            }
-        };
         let lights = self.scene.lights.iter().enumerate();
         for (_, light) in lights.filter(|(i, _)| self.idle.iter().all(|l| l.light != *i)) {
             match light {
@@ -170,13 +168,9 @@ impl<'s> Lighting<'s> {
                 _ => return ([f32::INFINITY; 3], [1.0; 3]),
             }
         }
-        for projector in &self.scene.effects.projectors {
-            if let ProjectorMode::Light(color) = projector.mode {
-                let picture = self.textures.brightest(projector.texture);
-                let color = [0, 1, 2].map(|k| color[k] * picture[k]);
-                add(&mut sum, surface.kd, color);
-                add(&mut added, surface.ks, color);
-            }
+        for color in self.projected_lights() {
+            add(&mut sum, surface.kd, color);
+            add(&mut added, surface.ks, color);
         }
         if let Some(map) = &material.light_map {
             let picture = self.textures.brightest(map.slot.texture);
@@ -186,6 +180,41 @@ impl<'s> Lighting<'s> {
             added = [1.0; 3];
         }
         (sum, added)
+    }
+
+    /// Of texels that cover a surface of these numbers: themselves, and under the light of all projectors.
+    fn projected(&self, surface: &PhongMaterial) -> Gain {
+        let (mut light, mut added) = ([1.0; 3], [0.0; 3]);
+        for color in self.projected_lights() {
+            add(&mut light, surface.kd, color);
+            add(&mut added, surface.ks, color);
+        }
+        Gain::UpTo { light, added }
+    }
+
+    /// The brightest light of each projector.
+    fn projected_lights(&self) -> impl Iterator<Item = [f32; 3]> {
+        let projectors = self.scene.effects.projectors.iter();
+        projectors.filter_map(|projector| {
+            let ProjectorMode::Light(color) = projector.mode else {
+                return None;
+            };
+            let picture = self.textures.brightest(projector.texture);
+            Some([0, 1, 2].map(|k| color[k] * picture[k]))
+        })
+    }
+}
+
+/// True if projectors light texels that cover a surface.
+fn covered_light(scene: &Scene, material: &Material) -> bool {
+    let mut projectors = scene.effects.projectors.iter();
+    material.shading == Shading::PerPixel
+        && projectors.any(|projector| projector.mode != ProjectorMode::Decal)
+}
+
+fn add(to: &mut [f32; 3], share: f32, color: [f32; 3]) {
+    for (to, c) in to.iter_mut().zip(color) {
+        *to += (share * c).max(0.0);
     }
 }
 

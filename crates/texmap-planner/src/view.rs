@@ -10,7 +10,9 @@ use super::look::{Look, Read};
 use super::pilot::{Pilot, PixelSamples};
 use super::prices::{self, Price, prices};
 use super::{Budget, Choice, maps};
-use texmap_scene::{AlphaMode, ColorMode, Mesh, Scene, TextureSlot};
+use texmap_scene::{
+    AlphaMode, ColorMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot,
+};
 
 /// A mesh as the camera sees it.
 pub(super) struct View<'s> {
@@ -157,7 +159,8 @@ impl View<'_> {
             let opaque = color[3] >= 1.0
                 && material.alpha == AlphaMode::Opaque
                 && material.opacity_map.is_none()
-                && material.decal.is_none();
+                && material.decal.is_none()
+                && !shows_projectors(self.scene, material);
             choice.filter = Some((Filter::Nearest, Precision::Exact));
             "the texture has one colour".clone_into(&mut choice.why);
             choice.left_out.push("mip chain");
@@ -253,6 +256,13 @@ fn unseen(places: &PixelSamples, all: usize) -> &'static str {
     } else {
         "hardly seen"
     }
+}
+
+/// True if projectors may reach texels that cover a surface, which is then lit.
+fn shows_projectors(scene: &Scene, material: &Material) -> bool {
+    material.texture_role == TextureRole::Decal
+        && material.shading == Shading::PerPixel
+        && !scene.effects.projectors.is_empty()
 }
 
 /// Texels of affine error up to which w counts as equal: below the 8 sub-texel bits of any filter.

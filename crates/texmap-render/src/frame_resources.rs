@@ -131,9 +131,11 @@ impl<'s> FrameResources<'s> {
 
     /// True if there are neither projectors nor shadows, so that plain surfaces need no effects.
     pub(crate) fn is_plain(&self) -> bool {
-        self.projector_lights.is_empty()
-            && self.projector_decals.is_empty()
-            && self.shadows.iter().all(Vec::is_empty)
+        !self.has_projectors() && self.shadows.iter().all(Vec::is_empty)
+    }
+
+    pub(crate) fn has_projectors(&self) -> bool {
+        !(self.projector_lights.is_empty() && self.projector_decals.is_empty())
     }
 
     /// Visibility of a light of the scene at a sample, for the `shadow` AOV; `None` without a shadow.

@@ -72,7 +72,9 @@ pub struct Shadow {
     pub area: Option<(DVec3, f64)>,
 }
 
-/// A projector: a light whose colour is a picture, or paint projected onto surfaces. Read by surfaces that are lit per pixel.
+/// A projector: a light whose colour is a picture, or paint projected onto surfaces. Read by surfaces that are lit per pixel, those
+/// whose texel covers them ([`TextureRole::Decal`](crate::TextureRole)) included: on these paint covers the texel, and the light, through
+/// exposure and tone mapping, is added to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProjectorLight {
     /// Map from world points to picture coordinates; made with the aspect of the picture.

@@ -222,7 +222,7 @@ impl TextureSlot {
 /// Effect of a texel on the surface colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureRole {
-    /// The texel is copied and ignores the lights: the MIT `tf` face. If an opaque material's texel is (partly) transparent, the
+    /// The texel is copied and ignores the lights but projectors: the MIT `tf` face. If an opaque material's texel is (partly) transparent, the
     /// lit surface shows through, as around a label.
     Decal,
     /// The texel multiplies the surface colour (and the vertex colour), then light is applied. A white

@@ -1,11 +1,11 @@
-//! Final colors: the base color under its light, and decals that cover their surface.
+//! Final colors: the base color under its light.
 
 use texmap_light::lanes::Vector;
 use texmap_math::simd::{Isa, prelude::*};
-use texmap_scene::{AlphaMode, ToneMapping};
+use texmap_scene::ToneMapping;
 
 use crate::base_color::BaseColor;
-use crate::batch::{parts, straight};
+use crate::batch::parts;
 use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// Premultiplied colors from base colors and their light.
@@ -82,46 +82,6 @@ impl Kernel for Compose<'_> {
                 }
             }
             let [r, g, b] = self.display.of(i, color);
-            let color = [r * alpha, g * alpha, b * alpha, alpha];
-            columns.color.store(i, at, color);
-        }
-    }
-}
-
-/// A decal that covers its surface, which shows where an opaque decal is transparent.
-pub struct Cover<'a>(pub BaseColor<'a>);
-
-impl Kernel for Cover<'_> {
-    fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        self.0.fetch(inputs, &mut columns.base);
-    }
-
-    #[inline(always)]
-    fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        let (base, one) = (&self.0, i.f32(1.0));
-        for part in parts(i, inputs.batch.list) {
-            let at = part.at;
-            let texel = base.texel(i, &columns.base, at);
-            let texel = base.under_decal(i, &columns.base, at, texel);
-            let [r, g, b, alpha] = texel;
-            if base.alpha == AlphaMode::Opaque {
-                let clear = alpha.simd_lt(1.0);
-                let under = columns.color.load(i, at);
-                let keep = one - alpha;
-                let mut color = [r, g, b, one];
-                for k in 0..3 {
-                    let mixed = clear.select(color[k] + keep * under[k], color[k]);
-                    color[k] = mixed.below(one);
-                }
-                columns.color.store(i, at, color);
-                continue;
-            }
-            let alpha = match base.alpha {
-                AlphaMode::Blend => alpha * base.opacity(i, &columns.base, at),
-                _ => one,
-            };
-            let [r, g, b] = straight(i, texel);
-            let (r, g, b) = (r.below(one), g.below(one), b.below(one));
             let color = [r * alpha, g * alpha, b * alpha, alpha];
             columns.color.store(i, at, color);
         }

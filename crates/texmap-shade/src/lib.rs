@@ -9,7 +9,7 @@
 //! A stage reads [`stage::Inputs`]: vectors, coordinates, sides, texels of projectors and of the pair. These columns of
 //! [`stage::ShadeColumns`] go from stage to stage: `toward_eye` and `normal` (from [`vectors`], then the normal detail); `diffuse` and
 //! `highlight` (from the lights, then light map, material maps, reflections, ramp, emission); `color` (base color and alpha, then
-//! paint; the final color after [`compose`]). `texels`, `uv`, `base` and `slopes` are for the stage that runs.
+//! paint; the final color after [`compose`] and [`cover`]). `texels`, `uv`, `base` and `slopes` are for the stage that runs.
 //!
 //! ```
 //! use std::borrow::Cow;
@@ -63,6 +63,7 @@ pub mod base_color;
 pub mod batch;
 pub mod compose;
 pub mod coordinates;
+pub mod cover;
 pub mod environment;
 pub mod facing;
 pub mod fetch;

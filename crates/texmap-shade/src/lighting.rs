@@ -42,6 +42,7 @@ pub struct PhongLights<'a> {
 }
 
 /// A light, its shadow maps and its projected texture.
+#[derive(Clone, Copy)]
 pub struct LitBy<'a> {
     /// The light.
     pub light: Light,

@@ -444,8 +444,81 @@ fn shadows_and_projectors_that_nothing_shows_are_told() {
     let lines = "ld 1 1 1 0 0 -1\nshadow 64\nprojector a.png paint 0 0 5 0 0 0 0 1 0 40\ntexture square.png\n\
                  v -1 -1 0\nv 1 -1 0\nv 1 1 0\n";
     let face = "tf 0 0 0 1 1 0 2 1 1\n";
-    let told = warnings(&format!("{lines}{face}"));
+    let told = warnings(&format!("{lines}shade vertex\n{face}"));
     assert!(told.iter().any(|w| w.contains("`shadow`")), "{told:?}");
     assert!(told.iter().any(|w| w.contains("`projector`")), "{told:?}");
+    // A texel that covers is under projectors, not under shadows.
+    let told = warnings(&format!("{lines}{face}"));
+    assert!(told.len() == 1 && told[0].contains("`shadow`"), "{told:?}");
     assert!(warnings(&format!("{lines}shade modulate\n{face}")).is_empty());
+}
+
+/// Bumps and highlights show on a texel that a projector lights, wherever its line stands.
+#[test]
+fn the_light_of_a_projector_shows_bumps_on_faces_that_copy_their_texel() {
+    let face = "bump square.png 0.1\nhighlight blinn\ncel square.png\ntexture square.png\n\
+                v -1 -1 0\nv 1 -1 0\nv 1 1 0\ntf 0 0 0 1 1 0 2 1 1\n";
+    let projector = |mode| format!("projector a.png {mode} 0 0 5 0 0 0 0 1 0 40\n");
+    let told = |text: String| {
+        let told = warnings(&text);
+        ["`bump`", "`highlight`", "`cel`"].map(|word| told.iter().any(|w| w.contains(word)))
+    };
+    assert_eq!(
+        told(format!("{face}{}", projector("light"))),
+        [false, false, true]
+    );
+    assert_eq!(
+        told(format!("{}{face}", projector("light"))),
+        [false, false, true]
+    );
+    // Negative twins: paint is not bent, and what is lit at vertices is under no projector.
+    assert_eq!(told(format!("{face}{}", projector("paint"))), [true; 3]);
+    let vertex = format!("shade decal vertex\n{face}{}", projector("light"));
+    assert_eq!(told(vertex), [true; 3]);
+}
+
+/// The code of the middle pixel of a textured face in raw colours, `t + t N.L c` under light, the paint under paint.
+#[test]
+fn projectors_light_and_paint_faces_that_copy_their_texel() {
+    let middle = |lines: &str| {
+        let files = files().with_png("white.png", 4, 4, [255; 4]).with_png(
+            "green.png",
+            4,
+            4,
+            [0, 255, 0, 255],
+        );
+        let scene = files.scene(&format!(
+            "color raw\nfilter nearest\neye 0 0 5\nfov 20\ntexture square.png\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n\
+             {lines}\ntf 0 .5 .75 1 .5 .75 2 .5 .75 3 .5 .75\n"
+        ));
+        let frame = render(
+            &scene,
+            &RenderSettings::new(16, 16),
+            &texmap_render::no_progress,
+        )
+        .unwrap();
+        let at = 4 * (8 * 16 + 8);
+        [frame.rgba[at], frame.rgba[at + 1], frame.rgba[at + 2]]
+    };
+    // Rays of the projector are along the normal but for 1e-6; red is cut.
+    let light = "projector white.png light 0 0 100 0 0 0 0 1 0 4 color .5 .5 .5";
+    let paint = "projector green.png paint 0 0 100 0 0 0 0 1 0 4";
+    let plain = [200, 100, 50];
+    assert_eq!(middle(""), plain);
+    assert_eq!(middle(light), [255, 150, 75]);
+    assert_eq!(
+        middle(&format!("surf 1 0 0 1 .5 0 1\n{light}")),
+        [250, 125, 63]
+    );
+    assert_eq!(middle(paint), [0, 255, 0]);
+    // A card between them, which the eye does not see.
+    let card = "v -1.5 -1.5 50\nv 1.5 -1.5 50\nv 1.5 1.5 50\nv -1.5 1.5 50\nf 4 5 6 7\n";
+    assert_eq!(middle(&format!("{light} shadow 256\n{card}")), plain);
+    assert_eq!(middle(&format!("{paint} shadow 256\n{card}")), plain);
+    assert_eq!(middle(&format!("{light}\n{card}")), [255, 150, 75]);
+    // Negative twins: from behind, and where light stands at vertices alone.
+    for line in [light, paint] {
+        assert_eq!(middle(&line.replacen("100", "-100", 1)), plain);
+        assert_eq!(middle(&format!("shade decal vertex\n{line}")), plain);
+    }
 }

@@ -367,7 +367,7 @@ const THINGS: &str = "la .2 .2 .25\nld .5 .5 .4 -.5 -1 -.6\nls .6 .5 .5 1.5 2.5 
     shade modulate pixel\nv -2.2 -.6 -1\nv -.7 -.6 -1.4\nv -.7 .9 -1.4\nv -2.2 .9 -1\ntf 0 0 1 1 1 1 2 1 0 3 0 0\n";
 
 /// Lights and casters: each line is a scene's effects over a floor and a wall.
-const CAST: [(&str, &str); 7] = [
+const CAST: [(&str, &str); 10] = [
     (
         "areas",
         "ld .6 .6 .5 -.5 -1 -.6\nshadow 1024 area 0 0 0 1.2\nlp .4 .4 .5 1 2 1.5\nshadow 512 area 0 -.5 0 1\n",
@@ -395,6 +395,22 @@ const CAST: [(&str, &str); 7] = [
     (
         "cut-outs at a threshold",
         "ld .7 .7 .6 -.3 -1 -.9\nshadow 1024 taps 1\ntexture TEX/leaf.png\nalpha test .3\nv -.9 -.5 .9\nv .9 -.5 .9\nv .9 .6 .7\nv -.9 .6 .7\nshade modulate\ntf 8 0 1 9 1 1 10 1 0 11 0 0\n",
+    ),
+    (
+        "projectors on copied texels",
+        "projector TEX/face.png light 0 2 3 0 -.2 0 0 1 0 40 soft .2 color .7 .8 .9 shadow 512\nprojector TEX/label.png paint -2 1.5 2 0 0 0 0 1 0 40 shadow 512\n\
+         texture TEX/brick.png\nsurf .8 .75 .7 1 .9 .3 12\nbump TEX/brick_heights.png .03\nv -2.5 -.45 2.5\nv 2.5 -.45 2.5\nv 2.5 -.45 -1.5\nv -2.5 -.45 -1.5\n\
+         tf 8 0 0 9 2 0 10 2 2 11 0 2\nbump none\nv -.4 -.4 .9\nv .4 -.4 .9\nv .4 .4 .7\nv -.4 .4 .7\ntexture TEX/leaf.png\ntf 12 0 1 13 1 1 14 1 0 15 0 0\n",
+    ),
+    (
+        "projectors on texels over their surface",
+        "projector TEX/checker.png light -2 2 2 0 0 0 0 1 0 30 repeat color .4 .5 .6\nprojector TEX/label.png paint 2 1.5 2 0 0 0 0 1 0 40\n\
+         alpha opaque\ntexture TEX/label.png\nhighlight blinn\nv -2.5 -.4 -1\nv 2.5 -.4 -1\nv 2.5 1.8 -1\nv -2.5 1.8 -1\ntf 8 0 1 9 1 1 10 1 0 11 0 0\n",
+    ),
+    (
+        "projectors on blended texels, raw",
+        "color raw\nprojector TEX/face.png light 0 2 3 0 -.2 0 0 1 0 40 color .5 .5 .5\nprojector TEX/label.png paint -2 1.5 2 0 0 0 0 1 0 40\n\
+         alpha blend\ntexture TEX/label.png\nframe -2 0 -.5 3 0 0 0 2 0\nv -2 -.4 -.5\nv 2 -.4 -.5\nv 2 1.4 -.5\nv -2 1.4 -.5\nff 8 9 10 11\n",
     ),
 ];
 

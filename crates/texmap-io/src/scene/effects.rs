@@ -62,10 +62,7 @@ impl ReliefSetting {
 pub(super) fn covered(material: &Material) -> Vec<&'static str> {
     let has = [
         (material.normal_detail.is_some(), BUMPS),
-        (
-            material.specular_model != SpecularModel::Phong,
-            "`highlight`",
-        ),
+        (material.specular_model != SpecularModel::Phong, HIGHLIGHT),
         (material.reflection.is_some(), "`env`"),
         (material.specular_map.is_some(), "`specmap`"),
         (material.light_map.is_some(), "`lightmap`"),
@@ -79,6 +76,13 @@ pub(super) fn covered(material: &Material) -> Vec<&'static str> {
 }
 
 const BUMPS: &str = "`bump`, `offsetmap`, `procedural-bump`, `emboss` or `normalmap`";
+
+const HIGHLIGHT: &str = "`highlight`";
+
+/// True for effects of [`covered`] that the light of projectors shows on texels.
+pub(super) fn turns_projected_light(effect: &str) -> bool {
+    [BUMPS, HIGHLIGHT].contains(&effect)
+}
 
 /// The coordinates that faces have.
 #[derive(Debug, Clone, Copy)]

@@ -8,8 +8,9 @@ use crate::frame_resources::FrameResources;
 use texmap_scene::{AlphaMode, Material, MetallicRoughness, TextureRole, UvSet};
 use texmap_shade::Slot;
 use texmap_shade::base_color::{BaseColor, BaseColors, BaseStage};
-use texmap_shade::compose::{Compose, Cover, Display};
+use texmap_shade::compose::{Compose, Display};
 use texmap_shade::coordinates::Coordinates;
+use texmap_shade::cover::{Cover, Projection};
 use texmap_shade::environment::Reflection;
 use texmap_shade::facing::FacingStage;
 use texmap_shade::fetch::TexturePair;
@@ -72,11 +73,15 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
         _ => None,
     };
     let base = base_color(surface, covers);
-    let lights = match (per_pixel, effects) {
+    let mut lights = match (per_pixel, effects) {
         (false, _) => Vec::new(),
         (true, None) => plan.lights.iter().map(unshadowed).collect(),
         (true, Some(effects)) => lights(ready, effects),
     };
+    if covers && hides_surface(&base) {
+        // The lights of the scene do not reach texels that cover.
+        lights.retain(|by| by.projector.is_some());
+    }
     let paints = ready.projector_decals.iter();
     let paints = paints.filter(|_| effects.is_some() && position.is_some());
     let paint = Paint {
@@ -163,13 +168,15 @@ fn stages<'a>(
     paint: Paint<'a>,
 ) -> Stages<'a> {
     let mut out: Stages<'a> = Vec::new();
-    let whole = base.opaque_texels && base.decal.is_none();
-    if covers && (base.alpha != AlphaMode::Opaque || whole) {
-        // The surface below shows nowhere.
-        out.push(Box::new(Cover(base)));
+    let display = Display::new(plan.tone_mapping);
+    let covering = covers.then(|| covering(display, &lights, &paint));
+    if covers && hides_surface(&base) {
+        if !lights.is_empty() {
+            normals(&mut out, plan, surface, &lights, paired_normals);
+        }
+        cover(&mut out, surface.material, base, maps, covering);
         return out;
     }
-    let display = Display::new(plan.tone_mapping);
     let lit = match surface.light {
         LightStage::None | LightStage::Colors(_) => false,
         LightStage::Terms { diffuse, highlight } => {
@@ -192,9 +199,7 @@ fn stages<'a>(
                     lights,
                     paint,
                 );
-                if covers {
-                    out.push(Box::new(Cover(base)));
-                }
+                cover(&mut out, surface.material, base, maps, covering);
                 return out;
             }
             light(&mut out, plan, surface, maps, lights);
@@ -237,10 +242,48 @@ fn stages<'a>(
             _ => display,
         },
     }));
-    if covers {
-        out.push(Box::new(Cover(base)));
-    }
+    cover(&mut out, surface.material, base, maps, covering);
     out
+}
+
+/// True if the texels that cover a surface leave nothing of it.
+fn hides_surface(base: &BaseColor<'_>) -> bool {
+    base.alpha != AlphaMode::Opaque || (base.opaque_texels && base.decal.is_none())
+}
+
+/// The projectors on texels that cover a surface, and those of its lights that project.
+fn covering<'a>(
+    display: Display,
+    lights: &[LitBy<'a>],
+    paint: &Paint<'a>,
+) -> (Vec<LitBy<'a>>, Option<Projection<'a>>) {
+    let lights = lights.iter().filter(|by| by.projector.is_some());
+    let lights: Vec<_> = lights.copied().collect();
+    let light = (!lights.is_empty()).then_some(display);
+    let some = light.is_some() || !paint.projectors.is_empty();
+    let projection = some.then(|| Projection {
+        paint: paint.clone(),
+        light,
+    });
+    (lights, projection)
+}
+
+/// Texels over the surface, with the projectors on them.
+fn cover<'a>(
+    out: &mut Stages<'a>,
+    material: &'a Material,
+    base: BaseColor<'a>,
+    mut maps: [Option<&'a Slot<'a>>; MAPS],
+    covering: Option<(Vec<LitBy<'a>>, Option<Projection<'a>>)>,
+) {
+    let Some((lights, projected)) = covering else {
+        return;
+    };
+    if !lights.is_empty() {
+        maps[AMBIENT] = None;
+        phong_lights(out, material, maps, lights);
+    }
+    out.push(Box::new(Cover { base, projected }));
 }
 
 /// The light of a metallic-roughness surface and its final colors.

@@ -12,7 +12,7 @@ use crate::vertices::{Values, VertexData, Vertices};
 use crate::{Aov, RenderSettings};
 use texmap_math::CameraFrame;
 use texmap_scene::{
-    AlphaMode, Material, Mesh, Scene, TextureRole, TextureSlot, UvSet, VertexColorInterp,
+    AlphaMode, Material, Mesh, Scene, Shading, TextureRole, TextureSlot, UvSet, VertexColorInterp,
 };
 use texmap_shade::Slot;
 use texmap_shade::coordinates::{Coordinates, uv_of_attributes};
@@ -220,7 +220,10 @@ pub(super) fn surface<'s>(
     let screen = material.vertex_color_interp == VertexColorInterp::ScreenLinear;
     let covered = base_color.is_some() && material.texture_role == TextureRole::Decal;
     let varies = base_color.is_some() || material.solid.is_some() || decal.is_some();
-    let light = light_stage(material, shows_surface, varies && !covered, &mut vertices);
+    // Projectors reach the texels of decals, too.
+    let shows_light =
+        shows_surface || (material.shading == Shading::PerPixel && ready.has_projectors());
+    let light = light_stage(material, shows_light, varies && !covered, &mut vertices);
     let light_ramp = ramp(&material.light_ramp);
     let at_vertices = matches!(light, LightStage::Colors(_) | LightStage::Terms { .. });
     let tinted = shows_surface && !mesh.colors.is_empty() && !at_vertices;

@@ -132,23 +132,16 @@ pub(super) fn arriving(light: &Light, point: DVec3) -> (DVec3, DVec3) {
 /// The light at a point of a surface that is lit per pixel.
 pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Terms {
     let material = surface.material();
-    let view = at.view.direction.normalize_or_zero();
-    let normal = surface.turned_normal(at);
-    let map = |slot: &Option<Slot<'_>>| slot.as_ref().map(|s| s.straight(at.read(s)));
-    let mut numbers = material.phong;
-    if let Some(texel) = map(&surface.exponent) {
-        numbers.ns = (f64::from(numbers.ns) * texel.x) as f32;
-    }
-    let ambient = map(&surface.ambient);
+    let lit = Lit::new(surface, at);
+    let ambient = surface.ambient.as_ref();
+    let ambient = ambient.map(|slot| slot.straight(at.read(slot)));
     let mut sum = Terms::default();
     let mut own_ambient = DVec3::ZERO;
-    let model = material.specular_model;
     for (index, light) in world.scene.lights.iter().enumerate() {
         if material.bakes(index) {
             continue;
         }
-        let (color, diffuse, highlight) =
-            contribution(&numbers, model, light, at.position, normal, view);
+        let (color, diffuse, highlight) = lit.by(light, at);
         match (light, ambient) {
             // A colour of its own, which does not multiply the base colour.
             (Light::Ambient { .. }, Some(texel)) => own_ambient += color * texel * diffuse,
@@ -160,28 +153,72 @@ pub(super) fn terms(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Ter
             }
         }
     }
-    for (index, cast) in world.projectors.iter().enumerate() {
-        let ProjectorMode::Light(color) = cast.projector.mode else {
-            continue;
-        };
-        let position = cast.projector.position.as_vec3().to_array();
-        let light = Light::Point { color, position };
-        let (color, diffuse, highlight) =
-            contribution(&numbers, model, &light, at.position, normal, view);
-        let picture = cast.texel(at.position, at.moves).truncate();
-        if diffuse > 0.0 && picture != DVec3::ZERO && world.projector_reaches(index, at) {
-            sum.diffuse += color * picture * diffuse;
-            sum.specular += color * picture * highlight;
-        }
-    }
+    lit.add_projectors(world, at, &mut sum);
     if let (Some(map), Some(slot)) = (&material.light_map, &surface.light_map) {
         let texel = slot.straight(at.baked_place);
-        sum.diffuse += texel * f64::from(numbers.kd) * f64::from(map.scale);
+        sum.diffuse += texel * f64::from(lit.numbers.kd) * f64::from(map.scale);
     }
-    let tint = map(&surface.specular);
-    sum.specular = sum.specular * tint.unwrap_or(DVec3::ONE) + own_ambient;
-    mirror(world, surface, at, normal, &mut sum);
+    sum.specular = sum.specular * lit.tint + own_ambient;
+    mirror(world, surface, at, lit.normal, &mut sum);
     sum
+}
+
+/// The light of the projectors alone, which texels that cover their surface are under.
+pub(super) fn projected(world: &World<'_>, surface: &Surface<'_>, at: &Point) -> Terms {
+    let lit = Lit::new(surface, at);
+    let mut sum = Terms::default();
+    lit.add_projectors(world, at, &mut sum);
+    sum.specular *= lit.tint;
+    sum
+}
+
+/// A point as lights meet it.
+struct Lit {
+    numbers: Numbers,
+    model: SpecularModel,
+    normal: DVec3,
+    view: DVec3,
+    /// Multiplies highlights.
+    tint: DVec3,
+}
+
+impl Lit {
+    fn new(surface: &Surface<'_>, at: &Point) -> Self {
+        let material = surface.material();
+        let map = |slot: &Option<Slot<'_>>| slot.as_ref().map(|s| s.straight(at.read(s)));
+        let mut numbers = material.phong;
+        if let Some(texel) = map(&surface.exponent) {
+            numbers.ns = (f64::from(numbers.ns) * texel.x) as f32;
+        }
+        Self {
+            numbers,
+            model: material.specular_model,
+            normal: surface.turned_normal(at),
+            view: at.view.direction.normalize_or_zero(),
+            tint: map(&surface.specular).unwrap_or(DVec3::ONE),
+        }
+    }
+
+    /// See [`contribution`].
+    fn by(&self, light: &Light, at: &Point) -> (DVec3, f64, f64) {
+        let (normal, view) = (self.normal, self.view);
+        contribution(&self.numbers, self.model, light, at.position, normal, view)
+    }
+
+    fn add_projectors(&self, world: &World<'_>, at: &Point, sum: &mut Terms) {
+        for (index, cast) in world.projectors.iter().enumerate() {
+            let ProjectorMode::Light(color) = cast.projector.mode else {
+                continue;
+            };
+            let position = cast.projector.position.as_vec3().to_array();
+            let (color, diffuse, highlight) = self.by(&Light::Point { color, position }, at);
+            let picture = cast.texel(at.position, at.moves).truncate();
+            if diffuse > 0.0 && picture != DVec3::ZERO && world.projector_reaches(index, at) {
+                sum.diffuse += color * picture * diffuse;
+                sum.specular += color * picture * highlight;
+            }
+        }
+    }
 }
 
 /// The light of mirrored environments and of specular maps.

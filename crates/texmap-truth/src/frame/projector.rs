@@ -4,11 +4,12 @@ use texmap_light::ProjectorBorder;
 use texmap_math::Projector;
 use texmap_math::glam::{DVec2, DVec3, DVec4};
 use texmap_sample::{Sampler, Texture2d, Wrap};
-use texmap_scene::{ProjectorLight, ProjectorMode};
+use texmap_scene::{ProjectorLight, ProjectorMode, Shading};
 
-use super::color::over;
-use super::lighting::Point;
+use super::color::{over, straight};
+use super::lighting::{Point, projected};
 use super::slot::{Place, Textures, sample};
+use super::surface::Surface;
 use super::world::World;
 
 /// A projector with its picture.
@@ -90,4 +91,16 @@ pub(super) fn paint(world: &World<'_>, at: &Point) -> DVec4 {
         }
     }
     sum
+}
+
+/// A texel that covers its surface under all projectors: paint over it, then their light added, `texel + display(texel * diffuse +
+/// specular)`. The texel is display light before.
+pub(super) fn onto(world: &World<'_>, surface: &Surface<'_>, at: &Point, texel: DVec4) -> DVec4 {
+    if world.projectors.is_empty() || surface.material().shading != Shading::PerPixel {
+        return texel;
+    }
+    let paint = paint(world, at);
+    let color = paint.truncate() + straight(texel) * (1.0 - paint.w);
+    let light = world.display(projected(world, surface, at).color(color));
+    ((color + light).min(DVec3::ONE) * texel.w).extend(texel.w)
 }

@@ -14,7 +14,7 @@ use super::emission::Emitter;
 use super::environment::Ray;
 use super::lighting::{Point, Terms, contribution, terms};
 use super::metallic::Metal;
-use super::projector::paint;
+use super::projector::{onto, paint};
 use super::slot::{Place, Slot, Textures};
 use super::space::SampledSolid;
 use super::tangents::corner_tangents;
@@ -206,6 +206,7 @@ impl<'s> Surface<'s> {
         let (color, alpha) = match (texel, material.texture_role) {
             (Some(texel), TextureRole::Decal) => {
                 let texel = label.map_or(texel, |label| over(label, texel));
+                let texel = onto(world, self, at, texel);
                 if material.alpha == AlphaMode::Opaque {
                     let under = if texel.w < 1.0 {
                         self.lit(world, at, hit, surface, true)

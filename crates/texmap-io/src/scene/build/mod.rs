@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use texmap_math::camera::{Camera, CameraError};
 use texmap_math::glam::DVec3;
 use texmap_math::texture_frame::TextureFrame;
-use texmap_scene::{AlphaMode, Material, Scene, Shading, TextureRole};
+use texmap_scene::{AlphaMode, Material, ProjectorMode, Scene, Shading, TextureRole};
 use texmap_uv::{CurvedShape, PerPixelProjection};
 
 use super::effects::{self, Coordinates};
@@ -49,6 +49,8 @@ pub(super) struct Builder {
     known: known::Known,
     /// Effects that some face has in vain, reported once each.
     reported: Vec<(&'static str, &'static str)>,
+    /// Effects of faces whose texel covers the surface, with the line of the first and true if pixels of one are lit.
+    covered: Vec<(&'static str, SourceLocation, bool)>,
 }
 
 impl Builder {
@@ -66,6 +68,7 @@ impl Builder {
             added: Added::Nothing,
             known: known::Known::default(),
             reported: Vec::new(),
+            covered: Vec::new(),
         }
     }
 
@@ -78,6 +81,7 @@ impl Builder {
                 problem: error.to_string(),
             });
         }
+        self.warn_of_covered();
         self.warn_of_unlit();
         self.bones.bend(&mut self.scene.meshes)?;
         self.scene.textures.clone_from(&self.textures.textures);
@@ -317,9 +321,12 @@ impl Builder {
             self.tell(location, effect, why);
         }
         if self.is_covered(&material) {
+            let per_pixel = material.shading == Shading::PerPixel;
             for effect in effects::covered(&material) {
-                let why = "copies its texel, whatever the light (`shade modulate` lights it)";
-                self.tell(location, effect, why);
+                let known = |of: &(&str, SourceLocation, bool)| of.0 == effect && of.2 == per_pixel;
+                if !self.covered.iter().any(known) {
+                    self.covered.push((effect, location.clone(), per_pixel));
+                }
             }
         }
         let materials = &mut self.scene.materials;
@@ -354,18 +361,36 @@ impl Builder {
         ));
     }
 
+    /// Warns of effects that texels hide. Light of projectors shows some.
+    fn warn_of_covered(&mut self) {
+        let mut projectors = self.scene.effects.projectors.iter();
+        let projected = projectors.any(|p| p.mode != ProjectorMode::Decal);
+        let why = "copies its texel, whatever the light (`shade modulate` lights it)";
+        for (effect, location, per_pixel) in std::mem::take(&mut self.covered) {
+            if !(projected && per_pixel && effects::turns_projected_light(effect)) {
+                self.tell(&location, effect, why);
+            }
+        }
+    }
+
     /// Warns of shadows and projectors without a surface that reads them.
     fn warn_of_unlit(&mut self) {
-        let lit = self.scene.meshes.iter().any(|mesh| {
-            let material = &self.scene.materials[mesh.material];
-            material.shading == Shading::PerPixel && !self.is_covered(material)
-        });
+        let materials = || self.scene.meshes.iter().map(|mesh| mesh.material);
+        let materials = || materials().map(|material| &self.scene.materials[material]);
+        let per_pixel = || materials().filter(|material| material.shading == Shading::PerPixel);
         let effects = &self.scene.effects;
-        let words = [
-            (effects.shadows.is_empty(), "`shadow`"),
-            (effects.projectors.is_empty(), "`projector`"),
+        let unlit = [
+            // Texels that cover a surface hide shadows, and are under projectors.
+            (
+                !effects.shadows.is_empty() && !per_pixel().any(|m| !self.is_covered(m)),
+                "`shadow`",
+            ),
+            (
+                !effects.projectors.is_empty() && per_pixel().next().is_none(),
+                "`projector`",
+            ),
         ];
-        for (_, word) in words.into_iter().filter(|(none, _)| !none && !lit) {
+        for (_, word) in unlit.into_iter().filter(|(unlit, _)| *unlit) {
             self.scene.warnings.push(format!(
                 "{word} is not drawn: no surface of the scene is lit at its pixels"
             ));
