@@ -42,9 +42,11 @@ mod shadows;
 mod sheet;
 mod skin;
 mod space;
+mod specular_maps;
 mod stage;
 mod tiling;
 mod transparency;
+mod uv_mappings;
 
 use std::ops::RangeInclusive;
 
@@ -62,7 +64,7 @@ pub const DEFAULT_SIZE: u32 = 384;
 
 type Draw = fn(u32) -> Result<DemoPicture, LabError>;
 
-const DEMOS: [(&str, &str, Draw); 26] = [
+const DEMOS: [(&str, &str, Draw); 28] = [
     (
         "affine-image",
         "a photo on cubes, screen-linear against perspective",
@@ -134,9 +136,19 @@ const DEMOS: [(&str, &str, Draw); 26] = [
         best_chart::best_chart,
     ),
     (
+        "specular-maps",
+        "highlights of area lights gathered by an exponent, against 1 - cos^(n + 1) and Phong's",
+        specular_maps::specular_maps,
+    ),
+    (
         "rectification",
         "a photo of a plane as its texture, by a homography of four points and by weights of the corners",
         rectification::rectification,
+    ),
+    (
+        "uv-mapping",
+        "a checker by plane, cylinder, sphere and box, and its stretch against closed forms",
+        uv_mappings::uv_mappings,
     ),
     (
         "bumps",
