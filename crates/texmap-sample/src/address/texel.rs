@@ -137,6 +137,27 @@ impl<I: Isa> LaneLevel<I> {
         ]
     }
 
+    /// The unwrapped indices of the texels that hold coordinates; `1 << shift` units are a texel.
+    #[inline(always)]
+    pub(crate) fn nearest(
+        &self,
+        i: I,
+        view: &BoundTexture<'_>,
+        [u, v]: [I::F32; 2],
+        shift: u32,
+    ) -> [I::I32; 2] {
+        if view.masked {
+            // Powers of two lose nothing.
+            let [x, y] = self.scale_masked(i, view, [u, v]);
+            return [x.floor_to_i32() >> shift, y.floor_to_i32() >> shift];
+        }
+        let scale = (shift, view.reach);
+        [
+            view.axes[0].texel(i, u, self.units_x, scale),
+            view.axes[1].texel(i, v, self.units_y, scale),
+        ]
+    }
+
     /// [`scale`](Self::scale) where wraps are masks.
     #[inline(always)]
     pub(crate) fn scale_masked(

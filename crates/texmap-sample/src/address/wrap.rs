@@ -56,13 +56,46 @@ impl Axis {
                 }
                 inside.select(x, fraction(i, u) * units)
             }
-            Wrap::Repeat => fraction(i, u) * units,
-            Wrap::MirroredRepeat => centred(i, u) * units,
+            _ => self.reduced(i, u) * units,
+        }
+    }
+
+    /// The floor of the coordinate in `units`, `1 << shift` of which are a texel: an index of texels for [`index`](Self::index). No product
+    /// that is rounded up to the next texel counts there: the texel is that of real numbers.
+    #[inline(always)]
+    pub(crate) fn texel<I: Isa>(
+        self,
+        i: I,
+        u: I::F32,
+        units: I::F32,
+        (shift, reach): (u32, f32),
+    ) -> I::I32 {
+        let x = self.scale(i, u, units, reach);
+        let floor = x.floor_to_i32();
+        let texel = floor >> shift;
+        if self.scaled_first {
+            return texel;
+        }
+        let whole = (texel << shift).to_f32().simd_eq(x);
+        if !whole.any_true() {
+            return texel;
+        }
+        // Rare: u is on a border between texels, or nearer to it than f32 can tell.
+        let below = rounding(i, self.reduced(i, u), units, x).simd_lt(0.0) & whole;
+        below.select(texel - 1, texel)
+    }
+
+    /// The coordinate that [`scale`](Self::scale) multiplies.
+    #[inline(always)]
+    fn reduced<I: Isa>(self, i: I, u: I::F32) -> I::F32 {
+        match self.wrap {
+            Wrap::Repeat => fraction(i, u),
+            Wrap::MirroredRepeat => centred(i, u),
             // Wide kernels still reach the image from outside, so the coordinate is only kept small.
             Wrap::ClampToEdge | Wrap::ClampToBorder | Wrap::MirrorClampToEdge => {
                 let u = u.simd_eq(u).select(u, i.f32(0.0));
                 let u = u.simd_gt(65.0).select(i.f32(65.0), u);
-                u.simd_gt(-64.0).select(u, i.f32(-64.0)) * units
+                u.simd_gt(-64.0).select(u, i.f32(-64.0))
             }
         }
     }
@@ -122,7 +155,7 @@ impl Axis {
     /// The texel of one coordinate.
     #[inline(always)]
     pub(crate) fn nearest(self, u: f32, n: i32) -> i32 {
-        let x = self.texels(u, n).floor_to_i32();
+        let x = self.texel(Scalar, u, n as f32, (0, REACH));
         self.index(Scalar, x, One(n)).0
     }
 
@@ -134,6 +167,17 @@ impl Axis {
         let texels = [first, first + 1].map(|x| self.index(Scalar, x, One(n)).0);
         (texels, x - first.to_f32())
     }
+}
+
+/// `a * b - product` of real numbers, but for rounding that keeps its sign, for a `product` that is `a * b` rounded and a whole `b` of at
+/// most 16 significant bits (Dekker 1971, "A floating-point technique for extending the available precision").
+#[inline(always)]
+fn rounding<I: Isa>(_: I, a: I::F32, b: I::F32, product: I::F32) -> I::F32 {
+    // Parts of 8 bits: products with b are exact, and so are sums, but for the last.
+    let bits = a.to_bits();
+    let high = (bits & 0xffff_0000).to_f32_bits();
+    let upper = (bits & 0xffff_ff00).to_f32_bits();
+    ((high * b - product) + (upper - high) * b) + (a - upper) * b
 }
 
 /// An index, or its mirror image from 0 on.
@@ -241,5 +285,61 @@ mod tests {
             Axis::new(Wrap::MirroredRepeat, 63).texels(-0.1, 63),
             -0.1 * 63.0
         );
+    }
+
+    /// Coordinates on the borders of texels and a few bits beside them, in copies of the image to both sides: the texel is that of real
+    /// numbers, counted in texels and in 256ths, on every width. Repeat rounds its own reduction below 0 and is judged from there on.
+    #[test]
+    fn no_texel_is_lost_to_a_rounded_product() {
+        let mut coordinates = Vec::new();
+        for n in [3, 130, 255, 1000, 32_767] {
+            for k in (0..=n).step_by(1 + n as usize / 300) {
+                for copy in [-3, -2, -1, 0, 1, 2, 5] {
+                    let border = (f64::from(k) / f64::from(n) + f64::from(copy)) as f32;
+                    let bits = border.to_bits();
+                    let near = (bits.saturating_sub(2)..bits + 3).map(f32::from_bits);
+                    coordinates.extend(near.map(|u| (n, u)));
+                }
+            }
+        }
+        let wrong = |found: &dyn Fn(Axis, i32, f32) -> i32| {
+            let mut wrong = 0;
+            for &(n, u) in &coordinates {
+                let texel = (f64::from(u) * f64::from(n)).floor() as i32;
+                for wrap in [
+                    Wrap::Repeat,
+                    Wrap::MirroredRepeat,
+                    Wrap::ClampToEdge,
+                    Wrap::ClampToBorder,
+                    Wrap::MirrorClampToEdge,
+                ] {
+                    let axis = Axis::new(wrap, n);
+                    let want = axis.far_index(Scalar, One(texel), One(n)).0;
+                    let judged = wrap != Wrap::Repeat || u >= 0.0;
+                    wrong += usize::from(judged && found(axis, n, u) != want);
+                }
+            }
+            wrong
+        };
+        let index = |axis: Axis, n: i32, texel: i32| axis.index(Scalar, One(texel), One(n)).0;
+        let level = texmap_math::Level::new();
+        assert_eq!(wrong(&|axis, n, u| axis.nearest(u, n)), 0);
+        for shift in [0, 8] {
+            let units = |n: i32| (n << shift) as f32;
+            let in_lanes = |axis: Axis, n: i32, u: f32| texmap_math::dispatch_simd!(level, i => first(i, axis, u, units(n), shift));
+            assert_eq!(wrong(&|axis, n, u| index(axis, n, in_lanes(axis, n, u))), 0);
+            // Negative twin: the floor of the rounded product.
+            let rounded = |axis: Axis, n: i32, u: f32| {
+                let x = axis.scale(Scalar, u, units(n), REACH * 256.0);
+                index(axis, n, x.floor_to_i32().0 >> shift)
+            };
+            assert!(wrong(&rounded) > 100);
+        }
+        fn first<I: Isa>(i: I, axis: Axis, u: f32, units: f32, shift: u32) -> i32 {
+            let texel = axis.texel(i, i.f32(u), i.f32(units), (shift, REACH * 256.0));
+            let mut out = [0; 16];
+            texel.store(&mut out[..I::LANES]);
+            out[0]
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     bound_texture::BoundTexture,
     fetch::{Color, scaled, tap},
 };
-use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::simd::Isa;
 
 /// The nearest texel of level 0.
 pub(crate) struct Nearest<const FORMAT: u8>;
@@ -29,7 +29,6 @@ pub(crate) fn nearest<I: Isa, const FORMAT: u8>(
     level: &LaneLevel<I>,
     uv: [I::F32; 2],
 ) -> Color<I> {
-    let [x, y] = level.scale(i, view, uv);
-    let at = [x.floor_to_i32(), y.floor_to_i32()];
+    let at = level.nearest(i, view, uv, 0);
     tap::<I, FORMAT>(i, view, level.texel::<FORMAT>(i, view, at))
 }

@@ -34,7 +34,7 @@ pub(super) fn nearest_in<I: Isa>(
     uv: [I::F32; 2],
 ) -> I::U32 {
     debug_assert_eq!(view.format, RGBA8, "bytes that are read whole");
-    let at = whole::<I>(level.scale(i, view, uv));
+    let at = level.nearest(i, view, uv, 8);
     tap(i, view, level.texel::<RGBA8>(i, view, at))
 }
 

@@ -142,10 +142,10 @@ impl<'a> VolumeView<'a> {
     fn nearest<I: Isa>(&self, i: I, level: I::I32, [u, v, w]: [I::F32; 3]) -> Color<I> {
         let view = &self.view;
         let (at, depth) = (LaneLevel::of(i, view, level), self.depth(i, level));
-        let [x, y] = at.scale(i, view, [u, v]);
-        let z = self.along_w.scale(i, w, depth.to_f32(), view.reach);
-        let [x, y] = at.wrapped(i, view, [x.floor_to_i32(), y.floor_to_i32()]);
-        let z = self.along_w.index(i, z.floor_to_i32(), depth);
+        let xy = at.nearest(i, view, [u, v], 0);
+        let z = self.along_w.texel(i, w, depth.to_f32(), (0, view.reach));
+        let [x, y] = at.wrapped(i, view, xy);
+        let z = self.along_w.index(i, z, depth);
         tap::<I, ANY>(i, view, at.in_slice::<ANY>(view, [x, y, z]))
     }
 
