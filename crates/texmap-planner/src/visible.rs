@@ -259,6 +259,7 @@ mod tests {
                     size,
                     view_from_world: DMat4::IDENTITY,
                     half: [1.0; 2],
+                    sums: false,
                 };
                 places(&view, 128)
             })

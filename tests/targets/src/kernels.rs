@@ -65,8 +65,13 @@ pub(crate) fn results(level: Level) -> Vec<(String, String)> {
         1.1, 0.2, 0.004, -0.3, 0.9, 0.002, 2.0, 3.0, 1.0,
     ]));
     if let (Ok(image), Ok(map)) = (image, map) {
-        let image = image.with_mips();
-        for filter in [Filter::Trilinear, Filter::Anisotropic(8), Filter::ewa(4)] {
+        let image = image.with_mips().with_summed_area();
+        for filter in [
+            Filter::Trilinear,
+            Filter::Anisotropic(8),
+            Filter::ewa(4),
+            Filter::SummedArea,
+        ] {
             let mut out = vec![[0.0; 4]; 40 * 30];
             let warp = Resample::new(&image, filter, EdgeMode::Transparent, &map);
             if warp.rows(level, 40, 0, &mut out).is_ok() {
