@@ -507,8 +507,8 @@ fn projectors_light_and_paint_faces_that_copy_their_texel() {
     assert_eq!(middle(""), plain);
     assert_eq!(middle(light), [255, 150, 75]);
     assert_eq!(
-        middle(&format!("surf 1 0 0 1 .5 0 1\n{light}")),
-        [250, 125, 63]
+        middle(&format!("surf 1 0 0 1 .6 0 1\n{light}")),
+        [255, 130, 65]
     );
     assert_eq!(middle(paint), [0, 255, 0]);
     // A card between them, which the eye does not see.
