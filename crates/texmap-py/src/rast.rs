@@ -223,9 +223,13 @@ impl Band<'_> {
             }
             let (px, py) = (tile.x0 as usize + x, tile.y0 as usize + y);
             let at = [px as f64 + 0.5, py as f64 + 0.5];
-            planes.block::<I, DB>(
-                i, scene, binned, &seen.ids, slots, *mask, at, &mut out, &mut db,
-            );
+            if *mask == 0 {
+                (out, db) = ([0.0; 64], [0.0; 64]);
+            } else {
+                planes.block::<I, DB>(
+                    i, scene, binned, &seen.ids, slots, *mask, at, &mut out, &mut db,
+                );
+            }
             let columns = (width - x).min(4);
             for k in 0..(height - y).min(4) {
                 let pixels = (y + k) * self.width + px..(y + k) * self.width + px + columns;
