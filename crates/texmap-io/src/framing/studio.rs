@@ -12,12 +12,15 @@ static STUDIO: Mutex<Option<Prefilter>> = Mutex::new(None);
 
 /// The neutral studio for surfaces of some roughnesses, upright along an axis. Beside a model that is being read, a thread may call it
 /// for none: that makes the larger part.
-///
-/// # Panics
-/// Never: the sizes of the studio are within range.
 #[must_use]
 pub fn studio(up: Up, roughnesses: Roughnesses) -> EnvironmentLight {
-    let mut studio = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut made = match rayon::current_thread_index() {
+        None => Some(STUDIO.lock().unwrap_or_else(PoisonError::into_inner)),
+        // A thread of the pool that waits could be one that the maker waits for: it makes its own.
+        Some(_) => STUDIO.try_lock().ok(),
+    };
+    let mut own = None;
+    let studio = made.as_deref_mut().unwrap_or(&mut own);
     let light = studio
         .get_or_insert_with(Prefilter::studio)
         .light(roughnesses);
@@ -70,6 +73,19 @@ mod tests {
             assert_eq!(y.radiance(0.3, d), z.radiance(0.3, [a, -c, b]));
             assert_ne!(y.irradiance(d), z.irradiance(d));
         }
+    }
+
+    #[test]
+    fn threads_of_the_pool_do_not_wait_for_each_other() {
+        use rayon::prelude::*;
+
+        let of = |k: i32| Roughnesses::between(0.1 * k as f32, 0.1 * k as f32);
+        let all: Vec<_> = (0..32)
+            .into_par_iter()
+            .map(|k| studio(Up::Y, of(k % 8)))
+            .collect();
+        assert!((0..8).all(|k| all[k] == all[k + 24]));
+        assert_ne!(all[2], all[5]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Primitives to vertices and triangles: attributes, morph targets, skins.
 
+use rayon::prelude::*;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 
 use super::json::{Mesh, Primitive};
@@ -288,13 +289,10 @@ impl Geometry {
 
     /// Gives every triangle vertices and a normal of its own.
     fn facet(&mut self) {
-        fn split<T: Copy>(values: &mut Vec<T>, triangles: &[[u32; 3]]) {
+        fn split<T: Copy + Send + Sync>(values: &mut Vec<T>, triangles: &[[u32; 3]]) {
             if !values.is_empty() {
-                *values = triangles
-                    .as_flattened()
-                    .iter()
-                    .map(|i| values[*i as usize])
-                    .collect();
+                let corners = triangles.as_flattened().par_iter();
+                *values = corners.map(|i| values[*i as usize]).collect();
             }
         }
         split(&mut self.positions, &self.triangles);
@@ -303,15 +301,15 @@ impl Geometry {
         split(&mut self.colors, &self.triangles);
         // Tangents without normals are those of no surface.
         self.tangents.clear();
-        let corners = self.positions.as_chunks::<3>().0;
-        let normals = corners.iter().flat_map(|[a, b, c]| {
+        let corners = self.positions.as_chunks::<3>().0.par_iter();
+        let normals = corners.map(|[a, b, c]| {
             let normal = (wide(*b) - wide(*a)).cross(wide(*c) - wide(*a));
             [crate::obj::unit(normal)
                 .unwrap_or(DVec3::ZERO)
                 .as_vec3()
                 .to_array(); 3]
         });
-        self.normals = normals.collect();
+        self.normals = normals.collect::<Vec<_>>().into_flattened();
         let numbered = (0..self.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
         self.triangles = numbered.collect();
     }
