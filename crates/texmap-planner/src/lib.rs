@@ -56,8 +56,7 @@ use texmap_scene::{Mesh, Scene, ToneMapping};
 use view::View;
 
 /// Chooses for a picture of this size: with one sample a pixel if that can keep the budget, else with 2 x 2 or 4 x 4. If none
-/// can, summed-area tables of up to 64 MiB are tried, whose look-ups cost more than samples of other filters. If these cannot
-/// either, the smallest predicted error.
+/// can, the smallest predicted error.
 ///
 /// # Errors
 /// Every fault that [`Scene::check`] finds.
@@ -67,17 +66,10 @@ pub fn choose(
     height: u32,
     budget: Budget,
 ) -> Result<Choices, SceneError> {
-    const SAMPLES: [u32; 3] = [1, 2, 4];
-    let without = among(scene, width, height, budget, (&SAMPLES, false))?;
-    if without.met() {
-        return Ok(without);
-    }
-    let with = among(scene, width, height, budget, (&SAMPLES, true))?;
-    let better = with.worst() < without.worst();
-    Ok(if better { with } else { without })
+    choose_sampled(scene, width, height, budget, &[1, 2, 4])
 }
 
-/// [`choose`] among these numbers of samples a side of a pixel, in this order, without summed-area tables.
+/// [`choose`] among these numbers of samples a side of a pixel, in this order.
 ///
 /// # Errors
 /// Every fault that [`Scene::check`] finds; [`SceneError::Value`] for a scene with tone mapping.
@@ -87,17 +79,6 @@ pub fn choose_sampled(
     height: u32,
     budget: Budget,
     samples: &[u32],
-) -> Result<Choices, SceneError> {
-    among(scene, width, height, budget, (samples, false))
-}
-
-/// Chooses among numbers of samples, with or without summed-area tables.
-fn among(
-    scene: &Scene,
-    width: u32,
-    height: u32,
-    budget: Budget,
-    (samples, sums): (&[u32], bool),
 ) -> Result<Choices, SceneError> {
     scene.check()?;
     scene.check_tessellated()?;
@@ -139,7 +120,6 @@ fn among(
             size,
             view_from_world,
             half: [1.0 / projection.x_axis.x, 1.0 / projection.y_axis.y],
-            sums,
         })
         .collect();
     let mut places: Vec<PixelSamples> = {
@@ -185,9 +165,9 @@ fn among(
 mod tests {
     use texmap_light::Light;
     use texmap_math::Camera;
-    use texmap_math::glam::{DMat4, DVec3};
+    use texmap_math::glam::DVec3;
     use texmap_raster::{Cull, DepthTest};
-    use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
+    use texmap_sample::{ColorSpace, Origin, Sampler, Texture2d};
 
     use super::*;
     use texmap_scene::{
@@ -283,33 +263,6 @@ mod tests {
         )
         .unwrap();
         assert_eq!((wide.met(), wide.supersample), (false, 1));
-    }
-
-    /// A square that faces the eye: the mean over an upright pixel is what the budget asks for. Turned, the rectangle about its
-    /// footprint holds more.
-    #[test]
-    fn summed_area_tables_come_last_and_where_they_keep_what_nothing_else_does() {
-        let fine = Budget {
-            rmse: 1e-3,
-            ..TIGHT
-        };
-        let mut square = scene();
-        square.meshes.truncate(1);
-        assert!(
-            !choose_sampled(&square, 96, 96, fine, &[1, 2, 4])
-                .unwrap()
-                .met()
-        );
-        let summed = choose(&square, 96, 96, fine).unwrap();
-        assert!(
-            summed.met() && summed.meshes[0].filter.unwrap().0 == Filter::SummedArea,
-            "{summed:?}"
-        );
-        // Negative twins: a budget that samples keep, and a turned square.
-        let by_samples = choose(&square, 96, 96, TIGHT).unwrap();
-        assert!(by_samples.met() && by_samples.meshes[0].filter.unwrap().0 != Filter::SummedArea);
-        square.meshes[0].world_from_object = DMat4::from_rotation_z(0.6);
-        assert!(!choose(&square, 96, 96, fine).unwrap().met());
     }
 
     #[test]

@@ -1,7 +1,5 @@
 //! Look of a surface before the light: its texel, through a ramp or within an outline, times its solid texture.
 
-use std::cell::OnceCell;
-
 use texmap_math::Footprint;
 use texmap_sample::{Filter, Lod, Precision, Sampler, Texture2d};
 
@@ -21,33 +19,14 @@ pub(super) struct Spot {
 /// The look-ups of a surface.
 pub(super) struct Look<'s> {
     textures: &'s Textures<'s>,
-    texture: Option<OnMesh<'s>>,
+    texture: Option<(Texture2d<'static>, &'s TextureSlot)>,
     ramp: Option<(Texture2d<'static>, &'s Sampler)>,
     solid: Option<SolidField<'s>>,
     /// A label over it.
-    label: Option<OnMesh<'s>>,
+    label: Option<(Texture2d<'static>, &'s TextureSlot)>,
     /// The surface colour, where it lies below a label.
     under: [f32; 3],
     crisp: bool,
-}
-
-/// A texture as a mesh reads it.
-struct OnMesh<'s> {
-    slot: &'s TextureSlot,
-    with_mips: Texture2d<'static>,
-    /// Made when a filter is tried that reads it.
-    with_sums: OnceCell<Texture2d<'static>>,
-}
-
-impl OnMesh<'_> {
-    fn read_by(&self, filter: Filter, textures: &Textures<'_>) -> &Texture2d<'static> {
-        if !filter.reads_summed_area() {
-            return &self.with_mips;
-        }
-        let (texture, origin) = (self.slot.texture, self.with_mips.origin());
-        let made = || textures.with_sums(texture).with_origin(origin);
-        self.with_sums.get_or_init(made)
-    }
 }
 
 /// Samplers of the textures of a surface.
@@ -72,10 +51,9 @@ impl<'s> Look<'s> {
         if material.base_color.is_none() && solid.is_none() && material.decal.is_none() {
             return None;
         }
-        let on_mesh = |slot: &'s TextureSlot| OnMesh {
-            slot,
-            with_mips: textures.with_mips(slot.texture).with_origin(mesh.uv_origin),
-            with_sums: OnceCell::new(),
+        let on_mesh = |slot: &'s TextureSlot| {
+            let texture = textures.with_mips(slot.texture).with_origin(mesh.uv_origin);
+            (texture, slot)
         };
         Some(Self {
             textures,
@@ -96,7 +74,7 @@ impl<'s> Look<'s> {
 
     /// Slot of the base texture.
     pub(super) fn slot(&self) -> Option<&'s TextureSlot> {
-        self.texture.as_ref().map(|texture| texture.slot)
+        self.texture.as_ref().map(|(_, slot)| *slot)
     }
 
     /// Both textures by one filter.
@@ -109,7 +87,7 @@ impl<'s> Look<'s> {
         let label = self.label.as_ref();
         Read {
             base: sampler(self.slot()),
-            label: label.map(|label| sampler(Some(label.slot))),
+            label: label.map(|(_, slot)| sampler(Some(slot))),
         }
     }
 
@@ -128,13 +106,6 @@ impl<'s> Look<'s> {
         usize::from(self.texture.is_some()) + usize::from(self.label.is_some())
     }
 
-    /// Bytes of the largest summed-area table among its textures.
-    pub(super) fn bytes_of_sums(&self) -> u64 {
-        let all = [&self.texture, &self.label].into_iter().flatten();
-        let bytes = all.map(|texture| texture.with_mips.bytes_to_prepare(Filter::SummedArea));
-        bytes.max().unwrap_or(0)
-    }
-
     /// The one colour of its texture, if nothing but that is seen.
     pub(super) fn constant(&self) -> Option<[f32; 4]> {
         let plain = self.ramp.is_none() && self.solid.is_none() && self.label.is_none();
@@ -146,10 +117,7 @@ impl<'s> Look<'s> {
     /// The colour at a spot: linear, premultiplied.
     pub(super) fn color(&self, read: &Read, at: &Spot) -> [f32; 4] {
         let mut texel = match &self.texture {
-            Some(on_mesh) => {
-                let texture = on_mesh.read_by(read.base.filter, self.textures);
-                self.texel(&read.base, texture, on_mesh.slot, at)
-            }
+            Some((texture, slot)) => self.texel(&read.base, texture, slot, at),
             None => [1.0; 4],
         };
         if let Some(solid) = &self.solid {
@@ -160,12 +128,10 @@ impl<'s> Look<'s> {
             let [r, g, b] = straight(color);
             texel = [texel[0] * r, texel[1] * g, texel[2] * b, texel[3]];
         }
-        if let Some(on_mesh) = &self.label {
-            let slot = on_mesh.slot;
+        if let Some((texture, slot)) = &self.label {
             let uv = slot.transform.apply(at.uv);
             let d = slot.transform.apply_footprint(at.footprint);
             let sampler = read.label.as_ref().unwrap_or(&slot.sampler);
-            let texture = on_mesh.read_by(sampler.filter, self.textures);
             let label = sampler.sample_grad(texture, uv, d);
             // The label covers the colour, not the holes.
             let keep = 1.0 - label[3];

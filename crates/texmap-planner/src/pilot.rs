@@ -488,7 +488,6 @@ mod tests {
                 size: DVec2::splat(640.0),
                 view_from_world: DMat4::IDENTITY,
                 half: [1.0; 2],
-                sums: false,
             };
             grid(&std::iter::repeat_with(view).take(count).collect::<Vec<_>>())
         };

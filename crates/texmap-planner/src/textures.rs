@@ -15,7 +15,6 @@ struct Facts {
     constant: OnceCell<Option<[f32; 4]>>,
     brightest: OnceCell<[f32; 3]>,
     with_mips: OnceCell<Texture2d<'static>>,
-    with_sums: OnceCell<Texture2d<'static>>,
 }
 
 impl<'s> Textures<'s> {
@@ -40,13 +39,6 @@ impl<'s> Textures<'s> {
     pub(super) fn brightest(&self, texture: usize) -> [f32; 3] {
         let fact = &self.facts[texture].brightest;
         *fact.get_or_init(|| brightest(&self.all[texture]))
-    }
-
-    /// The texture with its summed-area table.
-    pub(super) fn with_sums(&self, texture: usize) -> Texture2d<'static> {
-        let fact = &self.facts[texture].with_sums;
-        let made = fact.get_or_init(|| self.with_mips(texture).with_summed_area());
-        made.clone()
     }
 
     /// The texture with its mip chain.

@@ -25,8 +25,6 @@ pub(super) struct View<'s> {
     pub(super) view_from_world: DMat4,
     /// Half the width and height of the picture at distance 1.
     pub(super) half: [f64; 2],
-    /// Summed-area tables are tried.
-    pub(super) sums: bool,
 }
 
 impl View<'_> {
@@ -185,9 +183,7 @@ impl View<'_> {
         let mut whole: Option<Pilot> = None;
         let srgb = self.scene.color == ColorMode::Srgb;
         let mut best: Option<(f64, &Price)> = None;
-        let tried = prices().iter().filter(|price| self.tries(price, look));
-        let tried: Vec<&Price> = tried.collect();
-        for &price in &tried {
+        for price in prices() {
             let read = look.by(price.filter, price.precision);
             let first = pilot.error(look, &read, srgb);
             let mut predicted = first.bound;
@@ -215,18 +211,13 @@ impl View<'_> {
         choice.predicted_rmse = predicted;
         choice.price += price.ns * look.textures() as f64;
         choice.why = if predicted <= budget.rmse {
-            format!("the cheapest of {} filters that fits", tried.len())
+            format!("the cheapest of {} filters that fits", prices().len())
         } else {
             "no filter fits: the most accurate".to_owned()
         };
         if !price.filter.reads_mips() {
             choice.left_out.push("mip chain");
         }
-    }
-
-    /// True if a filter is a candidate.
-    fn tries(&self, price: &Price, look: &Look<'_>) -> bool {
-        !price.filter.reads_summed_area() || (self.sums && look.bytes_of_sums() <= MOST_SUMS)
     }
 
     /// The closed form over the mesh's triangles, in texels; infinite where one crosses the eye's plane.
@@ -273,9 +264,6 @@ fn shows_projectors(scene: &Scene, material: &Material) -> bool {
         && material.shading == Shading::PerPixel
         && !scene.effects.projectors.is_empty()
 }
-
-/// Bytes of a summed-area table up to which it is tried: that of a texture of 2048 x 1024 texels.
-const MOST_SUMS: u64 = 1 << 26;
 
 /// Texels of affine error up to which w counts as equal: below the 8 sub-texel bits of any filter.
 const EQUAL_W: f64 = 1.0 / 512.0;

@@ -259,7 +259,6 @@ mod tests {
                     size,
                     view_from_world: DMat4::IDENTITY,
                     half: [1.0; 2],
-                    sums: false,
                 };
                 places(&view, 128)
             })

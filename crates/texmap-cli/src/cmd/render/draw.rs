@@ -74,16 +74,15 @@ impl Context<'_> {
         let choices = match self.args.budget() {
             None => None,
             Some(budget) => {
-                let (width, height) = (size.width, size.height);
                 // Samples that the command line sets are not the planner's choice.
-                let choices = match (self.args.supersample, self.args.msaa) {
-                    (None, None | Some(1)) => planner::choose(scene, width, height, budget),
-                    (n, _) => {
-                        let samples = [n.unwrap_or(1)];
-                        planner::choose_sampled(scene, width, height, budget, &samples)
-                    }
+                let samples = match (self.args.supersample, self.args.msaa) {
+                    (Some(n), _) => &[n][..],
+                    (None, None | Some(1)) => &[1, 2, 4],
+                    (None, _) => &[1],
                 };
-                let mut choices = choices.map_err(|e| self.refused(e))?;
+                let (width, height) = (size.width, size.height);
+                let mut choices = planner::choose_sampled(scene, width, height, budget, samples)
+                    .map_err(|e| self.refused(e))?;
                 // Shadows that are written out are those of the scene's own lights.
                 if self.args.aov.iter().any(AovArg::is_shadow) {
                     choices.idle_lights.clear();
