@@ -149,7 +149,7 @@ pub(super) fn uv_mappings(size: u32) -> Result<DemoPicture, LabError> {
         sides => "Box on a cube", "Each side takes the picture straight.";
         plane_heat => "Plane: distortion", "Blue 1, green 1.25, yellow 1.5, red 2 and more.";
         cylinder_heat => "Cylinder: distortion", "The larger of the distortions of angle and of area.";
-        sphere_heat => "Sphere: distortion", "Least along the equator.";
+        sphere_heat => "Sphere: distortion", "Angles are kept at 60 degrees, where a square picture is as wide as it is high.";
         sides_heat => "Box: distortion", "None.";
     };
     Ok(sheet(
