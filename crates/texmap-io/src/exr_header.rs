@@ -1,10 +1,8 @@
 //! Sizes that the header of an OpenEXR file states. The decoder allocates blocks by them, for pictures of any size.
 
-use std::io::Cursor;
+use exr::meta::BlockDescription;
 
-use exr::meta::{BlockDescription, MetaData};
-
-use crate::image_io::MAX_SIDE;
+use crate::image_io::{ImageSource, MAX_SIDE};
 
 /// Bytes of a block that a file may ask for: 2 GiB.
 const MAX_BLOCK: usize = 1 << 31;
@@ -15,8 +13,8 @@ pub(crate) fn fault(bytes: &[u8]) -> Option<String> {
     if !bytes.starts_with(b"\x76\x2f\x31\x01") {
         return None;
     }
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).ok()?;
-    meta.headers.iter().find_map(|header| {
+    let reader = exr::block::read(ImageSource::bytes(bytes), false).ok()?;
+    reader.headers().iter().find_map(|header| {
         let tile = match header.blocks {
             BlockDescription::Tiles(tiles) => Some(tiles.tile_size),
             BlockDescription::ScanLines => None,
@@ -39,6 +37,8 @@ pub(crate) fn fault(bytes: &[u8]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
 
     fn picture() -> Vec<u8> {

@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde::Deserialize;
-use serde_path_to_error::Segment;
 
 use super::json::{Document, Material};
+use super::pointer::pointer_at;
 use crate::{FileSource, IoError};
 
 /// The parts of a file.
@@ -89,30 +89,12 @@ pub(super) fn parse(path: &Path, json: &[u8], files: &FileSource) -> Result<Docu
     let memory = objects * size_of::<Material>() as u64 + 4 * json.len() as u64;
     let what = format_args!("what the JSON of {} says", path.display());
     files.ask(memory, what, "split the file", None)?;
-    let mut reader = serde_json::Deserializer::from_slice(json);
-    let read = serde_path_to_error::deserialize(&mut reader);
-    let read: Result<Document, _> = read.and_then(|document| match reader.end() {
-        Ok(()) => Ok(document),
-        Err(error) => Err(serde_path_to_error::Error::new(
-            serde_path_to_error::Track::new().path(),
-            error,
-        )),
-    });
-    match read {
+    match serde_json::from_slice(json) {
         Ok(document) => check_version(path, document),
         Err(_) if states_first_version(json) => Err(first_version(path)),
         Err(error) => {
-            let mut pointer = String::new();
-            for step in error.path().iter() {
-                pointer.push('/');
-                match step {
-                    Segment::Seq { index } => pointer += &index.to_string(),
-                    Segment::Map { key } => pointer += key,
-                    Segment::Enum { variant } => pointer += variant,
-                    Segment::Unknown => pointer.push('?'),
-                }
-            }
-            Err(broken(path, &pointer, error.inner().to_string()))
+            let pointer = pointer_at(json, error.line(), error.column());
+            Err(broken(path, &pointer, error.to_string()))
         }
     }
 }

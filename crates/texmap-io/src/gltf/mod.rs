@@ -16,6 +16,7 @@ mod meshes;
 mod model;
 mod nodes;
 mod phong;
+mod pointer;
 mod slots;
 mod topology;
 mod uri;

@@ -1,11 +1,11 @@
 //! Decoding: the size is known and allowed, and the memory asked for, before the first texel.
 
-use std::io::{BufReader, Cursor};
 use std::path::Path;
 
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
+use super::source::ImageSource;
 use super::{MAX_SIDE, MAX_TEXELS};
 use crate::files::{FileSource, MAX_TEXT, is_called};
 #[cfg(feature = "gpu-images")]
@@ -86,7 +86,7 @@ pub(super) fn decode_bytes(
     if let Some(size) = header_size(bytes) {
         fits(size)?;
     }
-    let mut reader = ImageReader::new(Cursor::new(bytes))
+    let mut reader = ImageReader::new(ImageSource::bytes(bytes))
         .with_guessed_format()
         .map_err(|e| broken(e.to_string()))?;
     // TGA files begin with nothing of their own.
@@ -132,7 +132,7 @@ pub(crate) fn stated_size(files: &FileSource, path: &Path) -> Option<(u32, u32)>
     if let Some(head) = gpu_image::head(files, path) {
         return gpu_image::stated_size(&head);
     }
-    let reader = ImageReader::new(BufReader::new(opened.file));
+    let reader = ImageReader::new(ImageSource::opened(opened.file));
     reader.with_guessed_format().ok()?.into_dimensions().ok()
 }
 

@@ -2,6 +2,7 @@
 
 mod decode;
 mod rgba;
+mod source;
 
 use std::io;
 use std::path::Path;
@@ -20,6 +21,7 @@ use crate::{IoError, SourceLocation, atomic};
 
 pub(crate) use decode::{ask_for_texels, decode, stated_size};
 pub use rgba::{Depth, Rgba};
+pub(crate) use source::ImageSource;
 
 /// The largest width and height of an image.
 pub const MAX_SIDE: u32 = Texture2d::MAX_SIDE;
