@@ -2,6 +2,8 @@
 //!
 //! Kernels call them through [`simd`](crate::simd), whose rules hold here too.
 
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+use core::arch::wasm32::{f32x4_pmax, f32x4_pmin};
 #[cfg(target_arch = "x86")]
 use core::arch::x86::{
     __m512, __m512i, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEG_INF, _mm512_cvt_roundps_epi32,
@@ -13,7 +15,7 @@ use core::arch::x86_64::{
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, i32x16};
+use fearless_simd::{f32x4, f32x16, i32x16};
 
 mod bytes;
 mod gather;
@@ -21,7 +23,7 @@ mod table;
 
 pub use bytes::lerp_bytes;
 pub use gather::{GatherTable, gather, gather_pairs, gather_quads, has_pairs, prefetch};
-pub(crate) use gather::{gather_pairs_x4, gather_x4};
+pub(crate) use gather::{gather_pairs_x4, gather_quads_x4, gather_x4};
 pub use table::{lookup8, lookup16};
 
 /// Lanes of every kernel, on every level.
@@ -51,6 +53,30 @@ pub(crate) fn is_x86<S: Simd>(s: S) -> bool {
     {
         let _ = s;
         false
+    }
+}
+
+/// The greater of each pair by selection, `other` where neither is: one of wasm's instructions, if `s` is its level.
+#[inline(always)]
+pub(crate) fn above_x4<S: Simd>(s: S, x: f32x4<S>, other: f32x4<S>) -> Option<f32x4<S>> {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return Some(f32x4_pmax(other.into(), x.into()).simd_into(s));
+    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    {
+        let _ = (s, x, other);
+        None
+    }
+}
+
+/// The lesser of each pair, as [`above_x4`].
+#[inline(always)]
+pub(crate) fn below_x4<S: Simd>(s: S, x: f32x4<S>, other: f32x4<S>) -> Option<f32x4<S>> {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return Some(f32x4_pmin(other.into(), x.into()).simd_into(s));
+    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    {
+        let _ = (s, x, other);
+        None
     }
 }
 

@@ -5,8 +5,14 @@
 )]
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-use fearless_simd::{Level, SimdInto, prelude::*};
+use fearless_simd::Level;
 use fearless_simd::{Simd, SimdBase, u32x4, u32x16};
+#[cfg(any(
+    target_arch = "x86",
+    target_arch = "x86_64",
+    all(target_arch = "wasm32", target_feature = "simd128")
+))]
+use fearless_simd::{SimdInto, prelude::*};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use super::{CacheAligned, is_wide};
@@ -35,6 +41,9 @@ use core::arch::x86_64::{
     _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
     _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
 };
+
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod wasm;
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +154,7 @@ pub fn has_pairs<S: Simd>(s: S) -> bool {
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
     {
         let _ = s;
-        false
+        cfg!(all(target_arch = "wasm32", target_feature = "simd128"))
     }
 }
 
@@ -228,7 +237,35 @@ pub(crate) fn gather_pairs_x4<S: Simd>(
         let [a, b] = pairs_sse2(token, words, index.into());
         return [a.simd_into(s), b.simd_into(s)];
     }
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    if words.last > 0 {
+        let [a, b] = wasm::pairs(words, index.into());
+        return [a.simd_into(s), b.simd_into(s)];
+    }
     [gather_x4(s, words, index), gather_x4(s, words, index + 1)]
+}
+
+/// [`gather_quads`] for four lanes.
+#[inline(always)]
+pub(crate) fn gather_quads_x4<S: Simd>(
+    s: S,
+    words: GatherTable<'_>,
+    index: u32x4<S>,
+) -> Option<[u32x4<S>; 4]> {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    if let Some(last) = words.last.checked_sub(3)
+        && !index.simd_gt(last).any_true()
+    {
+        let [a, b, c, d] = wasm::quads(words, index.into());
+        return Some([
+            a.simd_into(s),
+            b.simd_into(s),
+            c.simd_into(s),
+            d.simd_into(s),
+        ]);
+    }
+    let _ = (s, words, index);
+    None
 }
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -139,6 +139,9 @@ macro_rules! width {
             }
             #[inline(always)]
             fn above(self, other: Self) -> Self {
+                if let Some(above) = $isa(self.simd).above(self, other) {
+                    return above;
+                }
                 // The maximum of x86 is this selection.
                 if is_x86(self.simd) {
                     SimdBase::max(self, other)
@@ -148,6 +151,9 @@ macro_rules! width {
             }
             #[inline(always)]
             fn below(self, other: Self) -> Self {
+                if let Some(below) = $isa(self.simd).below(self, other) {
+                    return below;
+                }
                 if is_x86(self.simd) {
                     SimdBase::min(self, other)
                 } else {
@@ -262,10 +268,23 @@ float!(f64x8, f64, mask64x8);
 mask!(mask64x8, f64x8);
 
 impl<S: Simd> X4<S> {
+    /// By a rounding and a conversion, where the level has both.
+    #[inline(always)]
+    fn floor(self, x: f32x4<S>) -> Option<i32x4<S>> {
+        cfg!(all(target_arch = "wasm32", target_feature = "simd128")).then(
+            #[inline(always)]
+            || SimdFloat::floor(x).to_int::<i32x4<S>>(),
+        )
+    }
     /// By one instruction, where there is one.
     #[inline(always)]
-    fn floor(self, _: f32x4<S>) -> Option<i32x4<S>> {
-        None
+    fn above(self, x: f32x4<S>, other: f32x4<S>) -> Option<f32x4<S>> {
+        lanes::above_x4(self.0, x, other)
+    }
+    /// As [`above`](Self::above).
+    #[inline(always)]
+    fn below(self, x: f32x4<S>, other: f32x4<S>) -> Option<f32x4<S>> {
+        lanes::below_x4(self.0, x, other)
     }
 }
 
@@ -276,6 +295,14 @@ impl<S: Simd> X16<S> {
             #[inline(always)]
             || lanes::floor_to_i32(self.0, x),
         )
+    }
+    #[inline(always)]
+    fn above(self, _: f32x16<S>, _: f32x16<S>) -> Option<f32x16<S>> {
+        None
+    }
+    #[inline(always)]
+    fn below(self, _: f32x16<S>, _: f32x16<S>) -> Option<f32x16<S>> {
+        None
     }
 }
 
@@ -319,8 +346,8 @@ impl<S: Simd> Isa for X4<S> {
         lanes::gather_pairs_x4(self.0, words, index)
     }
     #[inline(always)]
-    fn gather_quads(self, _: GatherTable<'_>, _: u32x4<S>) -> Option<[u32x4<S>; 4]> {
-        None
+    fn gather_quads(self, words: GatherTable<'_>, index: u32x4<S>) -> Option<[u32x4<S>; 4]> {
+        lanes::gather_quads_x4(self.0, words, index)
     }
     #[inline(always)]
     fn has_pairs(self) -> bool {
