@@ -1,6 +1,8 @@
 // Purple Cow Doom: keys, mouse or touch to the Worker, frames back.
 
-import { call, hashes, make, number, show } from './lab.js';
+import { call, hashes, make, number, show, start } from './lab.js';
+
+start();
 
 const main = document.querySelector('main');
 const FILES = ['textures/carpet.gif', 'textures/ceilingtile.gif', 'textures/walls.gif', 'textures/fence.png', 'textures/leaf.png', 'textures/cow.png', 'models/cow.obj', 'models/cow.mtl'];
@@ -36,7 +38,9 @@ main.append(
 );
 
 addEventListener('keydown', (event) => {
-  if (!(event.code in KEYS) || event.target.matches('select, input, button')) return;
+  // Keys of the browser, and those that a control of the page takes itself.
+  const taken = event.target.matches('select') || (event.code === 'Space' && event.target.matches('input, button'));
+  if (!(event.code in KEYS) || taken || event.ctrlKey || event.metaKey || event.altKey) return;
   event.preventDefault();
   held |= KEYS[event.code];
 });

@@ -1,7 +1,9 @@
 // The engine of the applets: controls from a list, a request from their values, pictures and figures from the answer.
 
-import { add, call, hashes, make, number, save, show } from './lab.js';
+import { add, call, hashes, make, number, save, show, start } from './lab.js';
 import { defaults, quick } from './values.js';
+
+start();
 
 const main = document.querySelector('main');
 const name = main.dataset.page;

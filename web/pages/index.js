@@ -1,8 +1,7 @@
-import './lab.js';
+import { make } from './lab.js';
 
 const main = document.querySelector('main');
 const list = await (await fetch('pages.json')).json();
-const { make } = await import('./lab.js');
 main.append(
   make('h1', {}, 'The lectures alive'),
   make('p', {}, 'Every applet of four lectures on texture mapping, drawn in this page by texmap on one core of this machine. Pictures have the bytes that the native program draws; nothing is sent anywhere.'),

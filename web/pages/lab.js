@@ -1,17 +1,29 @@
 // Calls of the Worker, and small parts that all pages share.
 
 const query = new URLSearchParams(location.search);
-const worker = new Worker(`worker.js${query.has('simd') ? `?simd=${query.get('simd')}` : ''}`, { type: 'module' });
 const waiting = new Map();
 let last = 0;
-worker.onmessage = ({ data }) => {
-  const { resolve, reject } = waiting.get(data.id);
-  waiting.delete(data.id);
-  if (data.error !== undefined) reject(new Error(data.error));
-  else resolve(data.result);
-};
+let worker = null;
+
+/// Starts the Worker, which loads the module: pages that draw call this first of all.
+export function start() {
+  if (worker) return;
+  worker = new Worker(`worker.js${query.has('simd') ? `?simd=${query.get('simd')}` : ''}`, { type: 'module' });
+  worker.onmessage = ({ data }) => {
+    const { resolve, reject } = waiting.get(data.id);
+    waiting.delete(data.id);
+    if (data.error !== undefined) reject(new Error(data.error));
+    else resolve(data.result);
+  };
+  // A script that cannot be loaded answers nothing.
+  worker.onerror = () => {
+    for (const { reject } of waiting.values()) reject(new Error('the module cannot be loaded\nreload the page'));
+    waiting.clear();
+  };
+}
 
 export function call(command, values = {}, moved = []) {
+  start();
   return new Promise((resolve, reject) => {
     waiting.set(++last, { resolve, reject });
     worker.postMessage({ id: last, command, ...values }, moved);

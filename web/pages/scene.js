@@ -1,6 +1,8 @@
 // The scene page: files that are dropped, drawn as `texmap render` draws them.
 
-import { add as addFiles, call, make, number, save, show } from './lab.js';
+import { add as addFiles, call, make, number, save, show, start } from './lab.js';
+
+start();
 
 const main = document.querySelector('main');
 const textures = ['carpet.gif', 'ceilingtile.gif', 'walls.gif', 'cow.png', 'fence.png', 'brick.png', 'leaf.png', 'leaf.gif', 'sky.png', 'lamps.png', 'uv_grid.png', 'face.png', 'label.png'].map((name) => `textures/${name}`);
@@ -122,6 +124,8 @@ async function changed() {
   for (const control of [filter, interp, wrap, aov]) if (control.value) request[control.id] = control.value;
   if (state.moved && state.camera) request.camera = { eye: eye(), look: state.camera.look };
   try {
+    // The first picture of the page does not wait for the studio's light.
+    if (!canvas.dataset.hash) show(canvas, (await call('ask', { files: state.files, request: { ...request, soon: true } })).panels[0]);
     const answer = await call('ask', { files: state.files.filter((name) => !dropped.includes(name)), request });
     show(canvas, answer.panels[0]);
     canvas.dataset.hash = answer.panels[0].hash;

@@ -107,6 +107,9 @@ impl RoomWalk {
         affine: bool,
     ) -> Result<usize, String> {
         let filter = filter.parse().map_err(|_| "unknown filter")?;
+        if self.room.last().is_some() {
+            self.room.photograph()?;
+        }
         let frame = self.room.frame([width, height], filter, affine)?;
         Ok(frame.rgba.as_ptr() as usize)
     }

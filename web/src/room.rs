@@ -59,7 +59,12 @@ pub struct Room {
     cow_meshes: std::ops::Range<usize>,
     base: DMat4,
     first_card: usize,
+    /// Material of the first picture of the cow, and its texture.
     first_view: usize,
+    first_picture: usize,
+    /// Pictures of the cow that are taken, and the scene that they are taken in.
+    views: usize,
+    studio: Scene,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -131,7 +136,12 @@ impl Room {
         let (door_mesh, first) = (named("door")?, named("cow")?);
         let count = scene.meshes.len() - first;
         let base = scene.meshes[first].world_from_object;
-        let first_view = photograph(&mut scene, first)?;
+        let studio = Scene {
+            meshes: scene.meshes[first..].to_vec(),
+            background: [0.0; 4],
+            ..scene.clone()
+        };
+        let (first_view, first_picture) = empty_views(&mut scene)?;
         for _ in 1..MESHES {
             let again: Vec<Mesh> = scene.meshes[first..first + count].to_vec();
             scene.meshes.extend(again);
@@ -168,7 +178,25 @@ impl Room {
             base,
             first_card,
             first_view,
+            first_picture,
+            views: 0,
+            studio,
         })
+    }
+
+    /// Takes the next picture of the cow for its cards, which are not seen without; false if all are taken. A room that is walked through
+    /// takes one a frame, so that its first frame comes soon.
+    ///
+    /// # Errors
+    /// The renderer refuses the cow.
+    pub fn photograph(&mut self) -> Result<bool, String> {
+        if self.views == VIEWS {
+            return Ok(false);
+        }
+        let texture = photograph(&mut self.studio, self.views)?;
+        self.scene.textures[self.first_picture + self.views] = texture;
+        self.views += 1;
+        Ok(true)
     }
 
     /// One step of 1/60 second.
@@ -365,38 +393,15 @@ fn view_of(ahead: DVec2, to_eye: DVec2) -> usize {
     (0..VIEWS).max_by(nearer).unwrap_or(0)
 }
 
-/// Takes pictures of the cow from around it, as textures with a material each; the first of these.
-fn photograph(scene: &mut Scene, cow: usize) -> Result<usize, String> {
-    let mut studio = Scene {
-        meshes: scene.meshes[cow..].to_vec(),
-        ..scene.clone()
-    };
-    studio.background = [0.0; 4];
-    let settings = RenderSettings {
-        supersample: 4,
-        ..RenderSettings::new(VIEW_SIZE, VIEW_SIZE)
-    };
-    let first = scene.materials.len();
-    for view in 0..VIEWS {
-        let from = around(view) * CARD_FROM;
-        let middle = DVec3::new(0.0, 0.0, CARD / 2.0 - 1.55);
-        studio.camera.eye = middle + from.extend(2.0);
-        studio.camera.look = middle;
-        studio.camera.fov_x = 2.0 * atan2(CARD / 2.0, CARD_FROM);
-        let frame = render(&studio, &settings, &no_progress).map_err(|e| e.to_string())?;
-        let texture = Texture2d::from_rgba8(
-            VIEW_SIZE,
-            VIEW_SIZE,
-            frame.rgba,
-            ColorSpace::Srgb,
-            Origin::TopLeft,
-        );
-        scene
-            .textures
-            .push(texture.map_err(|e| e.to_string())?.with_mips());
-        let mut slot = TextureSlot::new(scene.textures.len() - 1);
+/// Materials and textures for the pictures of the cow, still without any; the first of each.
+fn empty_views(scene: &mut Scene) -> Result<(usize, usize), String> {
+    let first = (scene.materials.len(), scene.textures.len());
+    for _ in 0..VIEWS {
+        let texture = view_texture(1, vec![0; 4])?;
+        let mut slot = TextureSlot::new(scene.textures.len());
         slot.sampler.wrap_u = texmap_sample::Wrap::ClampToEdge;
         slot.sampler.wrap_v = texmap_sample::Wrap::ClampToEdge;
+        scene.textures.push(texture);
         scene.materials.push(Material {
             base_color: Some(slot),
             texture_role: TextureRole::Decal,
@@ -406,6 +411,26 @@ fn photograph(scene: &mut Scene, cow: usize) -> Result<usize, String> {
         });
     }
     Ok(first)
+}
+
+fn view_texture(size: u32, rgba: Vec<u8>) -> Result<Texture2d<'static>, String> {
+    let texture = Texture2d::from_rgba8(size, size, rgba, ColorSpace::Srgb, Origin::TopLeft);
+    Ok(texture.map_err(|e| e.to_string())?.with_mips())
+}
+
+/// A picture of the cow from one of the directions around it.
+fn photograph(studio: &mut Scene, view: usize) -> Result<Texture2d<'static>, String> {
+    let from = around(view) * CARD_FROM;
+    let middle = DVec3::new(0.0, 0.0, CARD / 2.0 - 1.55);
+    studio.camera.eye = middle + from.extend(2.0);
+    studio.camera.look = middle;
+    studio.camera.fov_x = 2.0 * atan2(CARD / 2.0, CARD_FROM);
+    let settings = RenderSettings {
+        supersample: 4,
+        ..RenderSettings::new(VIEW_SIZE, VIEW_SIZE)
+    };
+    let frame = render(studio, &settings, &no_progress).map_err(|e| e.to_string())?;
+    view_texture(VIEW_SIZE, frame.rgba)
 }
 
 #[cfg(test)]

@@ -26,6 +26,7 @@ pub const RECORDED: [(u32, u32); 12] = [
 /// # Errors
 /// As [`Room::frame`].
 pub fn play(room: &mut Room, size: [u32; 2], every: u32, affine: bool) -> Result<&Frame, String> {
+    while room.photograph()? {}
     let inputs = RECORDED
         .iter()
         .flat_map(|(steps, buttons)| (0..*steps).map(|_| *buttons));
