@@ -4,7 +4,7 @@ export default {
   title: 'Bump, normal and displacement maps',
   slide: 'SUSTech lecture 08; Blinn 1978',
   text: ['A bump map turns light and leaves the outline; a displacement map moves the surface. The error is against the displaced surface, which both stand for.'],
-  formula: 'N′ = N + Bᵤ (n × Oᵥ) − Bᵥ (n × Oᵤ)   displaced: O′ = O + B n',
+  formula: 'N′ = N + Bᵤ (n × Oᵥ) − Bᵥ (n × Oᵤ)\ndisplaced: O′ = O + B n',
   drag: ['yaw', 'pitch'],
   controls: [
     { id: 'method', kind: 'choice', label: 'Method', value: 'bump', options: ['none', 'bump', ['normalmap', 'normal map (of another relief)'], ['displace', 'displacement']] },

@@ -8,7 +8,7 @@ export default {
   title: 'The O-U-V frame',
   slide: 'Brackeen 2003, chapter 8: texture mapping equations',
   text: ['Drag O, U and V: the polygon gets its texture from the frame, not from its vertices. A frame out of the plane slides over it as the eye moves.'],
-  formula: 'A = V × O, B = O × U, C = U × V   u = A·W / C·W, v = B·W / C·W, W on the view plane',
+  formula: 'A = V × O, B = O × U, C = U × V\nu = A·W / C·W, v = B·W / C·W, W on the view plane',
   controls: [
     { id: 'frame', kind: 'points', label: 'Frame', names: ['O', 'U', 'V'], value: [[0.28, 0.22], [0.62, 0.3], [0.22, 0.68]] },
     { id: 'tilt', kind: 'range', label: 'V leaves the plane by', unit: '°', min: -60, max: 60, step: 1, value: 0 },

@@ -2,7 +2,7 @@ export default {
   title: 'Sphere, cylinder, box and plane mapping',
   slide: 'SUSTech lecture 08; CS184 lecture 20; Bier and Sloan 1986',
   text: ['Coordinates for a model that has none. The checker shows stretch, the heat map measures it, the layout shows overlaps.'],
-  formula: 'sphere: u = θ/2π, v = φ/π   cylinder: u = θ/2π, v = y   plane: drop z   box: one plane a side',
+  formula: 'sphere: u = θ/2π, v = φ/π\ncylinder: u = θ/2π, v = y\nplane: drop z\nbox: one plane a side',
   controls: [
     { id: 'shape', kind: 'choice', label: 'Shape', value: 'sphere', options: ['sphere', 'cylinder', 'box', 'plane'] },
     { id: 'by', kind: 'choice', label: 'By', value: 'position', options: ['position', 'normal', 'centroid'] },

@@ -5,7 +5,7 @@ export default {
   title: 'Subdivision, spans and an error bound',
   slide: 'MIT 6.837 (2001), lecture 18, slide 13; Brackeen 2003, chapter 8',
   text: ['Smaller triangles, or one division every n pixels, shrink the error with n² and do not end it. A tolerance picks the length of each span instead.'],
-  formula: 'n parts in space: error ≤ |Δu| (r − 1) / (4 n²)   n parts of the screen: error ≤ |Δu| r (r − 1) / (4 n²), r = z₂/z₁',
+  formula: 'n parts in space: error ≤ |Δu| (r − 1) / (4 n²)\nn parts of the screen: error ≤ |Δu| r (r − 1) / (4 n²), r = z₂/z₁',
   controls: [
     { id: 'method', kind: 'choice', label: 'Method', value: 'subdivided', options: [['subdivided', 'subdivided triangles'], ['span', 'spans of n pixels'], ['within', 'spans within a tolerance']] },
     { id: 'n', kind: 'range', label: 'n', min: 1, max: 64, step: 1, value: 2, when: { method: ['subdivided', 'span'] } },

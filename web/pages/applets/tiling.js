@@ -4,7 +4,7 @@ export default {
   title: 'Tiling and the five wraps',
   slide: 'MIT 6.837 (2001), lecture 18, slide 16; Brackeen 2003, chapter 8',
   text: ['Coordinates beyond 0 and 1. Floor, not truncation, keeps every texel equally wide on both sides of 0. The error is against rays in f64.'],
-  formula: 'repeat: u − ⌊u⌋   mirrored: distance to the nearest even whole number   clamp: min(max(u, 0), 1)',
+  formula: 'repeat: u − ⌊u⌋\nmirrored: distance to the nearest even whole number\nclamp: min(max(u, 0), 1)',
   controls: [
     { id: 'wrap', kind: 'choice', label: 'Wrap', value: 'repeat', options: ['repeat', 'mirrored-repeat', 'clamp-to-edge', 'clamp-to-border', 'mirror-clamp-to-edge'] },
     { id: 'size', kind: 'range', label: 'Pictures across', min: 0.5, max: 8, step: 0.1, value: 3.2 },

@@ -4,7 +4,7 @@ export default {
   title: 'Transparency: holes by alpha',
   slide: 'MIT 6.837 (2001), lecture 18, slide 17; SUSTech lecture 08',
   text: ['A texel of alpha 0 is a hole: neither colour nor depth is written. A test is all or nothing; blending mixes, in the order of the file. The error is against 8 × 8 samples a pixel.'],
-  formula: 'test: draw where α ≥ t   blend: C = α F + (1 − α) B',
+  formula: 'test: draw where α ≥ t\nblend: C = α F + (1 − α) B',
   drag: ['yaw', 'pitch'],
   controls: [
     { id: 'alpha', kind: 'choice', label: 'Alpha', value: 'test', options: ['test', 'blend', 'opaque'] },
