@@ -397,7 +397,7 @@ mod tests {
 
     /// Along a line through the penumbra of a window: the share of its light by 512 x 512 rays. Of 128 shares in compact parts of the
     /// sky some 4 sqrt(128) = 45 are cut by the outline of the board, each right to half of itself: sqrt(45) / 2 / 128 = 0.026 is one
-    /// standard deviation, the pixels of the outlines and the lobe of a cell add 0.02.
+    /// standard deviation, the pixels of the outlines and the lobe of a cell add 0.03.
     #[test]
     fn a_window_has_a_soft_shadow() {
         let mut scene = scene(board(1.0));

@@ -11,8 +11,8 @@ use super::{Place, across};
 const DIRECTIONS: u32 = 128;
 /// Cells a side of the sky, whose light is told apart.
 const CELLS: u32 = 64;
-/// Roughness whose lobe is about as wide as a cell.
-pub(super) const LOBE: f32 = 0.2;
+/// Roughness whose lobe is about as wide as a cell; the skirts of a wider one take light from windows.
+pub(super) const LOBE: f32 = 0.1;
 /// Places a side of a cell for the directions inside.
 const INSIDE: u32 = 16;
 
@@ -73,14 +73,19 @@ fn shares(radiance: impl Fn(DVec3) -> f64) -> Vec<(DVec3, f64)> {
         .collect();
     let all: f64 = cells.iter().sum();
     let mut sky = Vec::new();
-    // The light before a cell, and the next direction in the middle of its share.
+    // The light before a cell. The next direction lies somewhere in its share: middles of all would be a grid, whose lines fall together with
+    // outlines.
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let mut before = 0.0;
     for (cell, light) in (0..).zip(cells) {
         loop {
-            let wanted = (sky.len() as f64 + 0.5) / f64::from(DIRECTIONS) * all;
+            let number = sky.len() as f64;
+            let place = 0.5 + number * GOLDEN;
+            let place = place - place.floor();
+            let wanted = (number + place) / f64::from(DIRECTIONS) * all;
             let part = (wanted - before) / light;
-            // Also where there is no light.
-            if !(part < 1.0) {
+            // Also where there is no light, and after the last.
+            if !(part < 1.0) || sky.len() == DIRECTIONS as usize {
                 break;
             }
             let places = INSIDE * INSIDE;
@@ -149,7 +154,8 @@ mod tests {
         assert!((all / (bright + dim) - 1.0).abs() < 0.02, "{all}");
         let seen = sky.iter().filter(|(d, _)| d.x > 0.6).count() as f64;
         let expected = bright / (bright + dim) * f64::from(DIRECTIONS);
-        assert!((seen - expected).abs() < 2.0, "{seen} {expected}");
+        // One in twelve cells of the bright part lies across its edge, and may have its directions on the other side.
+        assert!((seen - expected).abs() < 6.0, "{seen} {expected}");
         assert!(shares(|_| 0.0).is_empty());
     }
 }
