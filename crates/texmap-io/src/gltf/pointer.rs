@@ -84,7 +84,7 @@ mod tests {
         #[serde(default)]
         name: String,
         #[serde(default)]
-        parts: Vec<Part>,
+        parts: Vec<Self>,
     }
 
     #[test]
