@@ -153,7 +153,10 @@ fn surface<I: Isa>(i: I, view: &BoundTexture<'_>, uv: [I::F32; 2], lod: I::F32) 
     let [x, y] = level.scale(i, view, uv);
     let (at, [wx, wy]) = cell::<I>([x - 0.5, y - 0.5]);
     let corners = fetch_corners::<I, ANY>(i, view, &level, at);
-    let [[a, b], [c, d]] = corners.map(|row| row.map(|texel| scaled::<I>(texel, view)));
+    // No `map`: its closure is not always inlined.
+    let [[a, b], [c, d]] = corners;
+    let (a, b) = (scaled::<I>(a, view), scaled::<I>(b, view));
+    let (c, d) = (scaled::<I>(c, view), scaled::<I>(d, view));
     let (w, h) = (level.width.to_f32(), level.height.to_f32());
     let mut out = [[i.f32(0.0); 4]; 3];
     for k in 0..4 {

@@ -137,10 +137,13 @@ impl Texture3d<'_> {
     pub fn lod_lanes<I: Isa>(&self, i: I, dx: [I::F32; 3], dy: [I::F32; 3]) -> I::F32 {
         let base = &self.chain.levels[0];
         let size = [base.width as f32, base.height as f32, base.depth as f32];
-        let [x, y] = [dx, dy].map(|d| {
-            let [x, y, z] = [0, 1, 2].map(|k| lod::tame(i, d[k] * size[k]));
-            x * x + y * y + z * z
-        });
+        // No `map`: its closure is not always inlined.
+        let (mut x, mut y) = (i.f32(0.0), i.f32(0.0));
+        for k in 0..3 {
+            let (along_x, along_y) = (lod::tame(i, dx[k] * size[k]), lod::tame(i, dy[k] * size[k]));
+            x = x + along_x * along_x;
+            y = y + along_y * along_y;
+        }
         lod::log2(i, x.above(y)) * 0.5
     }
 }
