@@ -49,7 +49,7 @@ pub fn sample_slice(
     check("out", u.len(), out.len())?;
     let mut colors = [[0.0; PART]; 4];
     in_parts(sampler, t, [u, v], grads, |first, batch| {
-        let count = batch.u.len();
+        let count = batch.at.u.len();
         batch.columns(level, colors.each_mut().map(|c| &mut c[..count]));
         for (k, out) in out[first..first + count].iter_mut().enumerate() {
             *out = colors.each_ref().map(|c| c[k]);
@@ -74,7 +74,7 @@ pub fn sample_rgba8_slice(
 ) -> Result<(), SampleError> {
     check("out", u.len(), out.len())?;
     in_parts(sampler, t, [u, v], grads, |first, batch| {
-        batch.words(level, &mut out[first..first + batch.u.len()]);
+        batch.words(level, &mut out[first..first + batch.at.u.len()]);
     })
 }
 
@@ -104,7 +104,8 @@ fn in_parts(
             columns.iter_mut().zip(parts).for_each(|(c, d)| c[k] = d);
         }
         let gradients = grads.map(|_| columns.each_ref().map(|c| &c[..u.len()]));
-        run(first, &Batch::new(sampler, &view, u, v, gradients));
+        let at = Places { u, v, gradients };
+        run(first, &Batch::new(sampler, &view, at));
     }
     Ok(())
 }
@@ -170,7 +171,7 @@ pub fn sample_bound_soa(
     for column in &out {
         at.check(column.len())?;
     }
-    Batch::new(sampler, view, at.u, at.v, at.gradients).columns(level, out);
+    Batch::new(sampler, view, *at).columns(level, out);
     Ok(())
 }
 
@@ -187,7 +188,7 @@ pub fn sample_rgba8_soa(
 ) -> Result<(), SampleError> {
     at.check(out.len())?;
     if let Some(view) = BoundTexture::new(sampler, t) {
-        Batch::new(sampler, &view, at.u, at.v, at.gradients).words(level, out);
+        Batch::new(sampler, &view, *at).words(level, out);
     }
     Ok(())
 }
@@ -218,28 +219,18 @@ pub(crate) fn check(what: &'static str, expected: usize, got: usize) -> Result<(
 pub(crate) struct Batch<'a> {
     sampler: &'a Sampler,
     view: &'a BoundTexture<'a>,
-    u: &'a [f32],
-    v: &'a [f32],
-    gradients: Option<[&'a [f32]; 4]>,
+    at: Places<'a>,
     /// The limited level of look-ups without gradients.
     flat: f32,
 }
 
 impl<'a> Batch<'a> {
     /// Of columns of one length.
-    pub(crate) fn new(
-        sampler: &'a Sampler,
-        view: &'a BoundTexture<'a>,
-        u: &'a [f32],
-        v: &'a [f32],
-        gradients: Option<[&'a [f32]; 4]>,
-    ) -> Self {
+    pub(crate) fn new(sampler: &'a Sampler, view: &'a BoundTexture<'a>, at: Places<'a>) -> Self {
         Self {
             sampler,
             view,
-            u,
-            v,
-            gradients,
+            at,
             flat: sampler.limit_lod(0.0),
         }
     }
@@ -255,8 +246,8 @@ impl<'a> Batch<'a> {
             return;
         }
         let mut words = [0; PART];
-        for first in (0..self.u.len()).step_by(PART) {
-            let count = PART.min(self.u.len() - first);
+        for first in (0..self.at.u.len()).step_by(PART) {
+            let count = PART.min(self.at.u.len() - first);
             self.part(first, count).words(level, &mut words[..count]);
             let out = out.each_mut().map(|c| &mut c[first..first + count]);
             dispatch_simd!(level, i => unpack_columns(i, &words[..count], out));
@@ -274,16 +265,13 @@ impl<'a> Batch<'a> {
 
     fn run<R: Run>(&self, kernel: R) -> R::Out {
         let BoundTexture { kind, format, .. } = *self.view;
-        run(kind, format, self.gradients.is_some(), kernel)
+        run(kind, format, self.at.gradients.is_some(), kernel)
     }
 
     /// `count` look-ups from `first` on.
     fn part(&self, first: usize, count: usize) -> Self {
-        let range = first..first + count;
         Self {
-            u: &self.u[range.clone()],
-            v: &self.v[range.clone()],
-            gradients: self.gradients.map(|all| all.map(|c| &c[range.clone()])),
+            at: self.at.part(first..first + count),
             ..*self
         }
     }
@@ -293,8 +281,8 @@ impl<'a> Batch<'a> {
         Single {
             sampler: self.sampler,
             chain: self.view.chain,
-            uv: [self.u[k], self.v[k]],
-            footprint: self.gradients.map(|d| Footprint {
+            uv: [self.at.u[k], self.at.v[k]],
+            footprint: self.at.gradients.map(|d| Footprint {
                 du_dx: d[0][k],
                 dv_dx: d[1][k],
                 du_dy: d[2][k],
@@ -313,10 +301,10 @@ impl<'a> Batch<'a> {
     fn look_up<I: Isa>(&self, i: I, first: usize) -> LookUp<I> {
         LookUp {
             uv: [
-                load_tail(i, &self.u[first..]),
-                load_tail(i, &self.v[first..]),
+                load_tail(i, &self.at.u[first..]),
+                load_tail(i, &self.at.v[first..]),
             ],
-            footprint: match self.gradients {
+            footprint: match self.at.gradients {
                 Some([ux, vx, uy, vy]) => Some(TexelFootprint::new(
                     i,
                     self.view,
@@ -389,7 +377,7 @@ impl Run for Words<'_> {
 #[inline(never)]
 fn color_columns<I: Isa, K: FilterKernel>(i: I, batch: &Batch<'_>, mut out: [&mut [f32]; 4]) {
     if const { I::LANES == 1 } {
-        for k in 0..batch.u.len() {
+        for k in 0..batch.at.u.len() {
             let c = batch.single(k).color::<K>();
             out.iter_mut().zip(c).for_each(|(out, c)| out[k] = c);
         }
@@ -398,7 +386,7 @@ fn color_columns<I: Isa, K: FilterKernel>(i: I, batch: &Batch<'_>, mut out: [&mu
     i.vectorize(
         #[inline(always)]
         || {
-            for first in (0..batch.u.len()).step_by(I::LANES) {
+            for first in (0..batch.at.u.len()).step_by(I::LANES) {
                 let at = batch.look_up(i, first);
                 store_columns(i, K::color(i, batch.view, &at), first, &mut out);
             }

@@ -24,7 +24,7 @@ impl Sampler {
     ///
     /// The nearest level to `lod` is taken, so that value and slope belong to one surface.
     pub fn sample_with_gradient(&self, t: &Texture2d<'_>, uv: [f32; 2], lod: f32) -> [[f32; 4]; 3] {
-        match BoundTexture::single(self, &t.chain, Kernel::Bilinear, exact_format(&t.chain)) {
+        match self.view(t) {
             Some(view) => surface(Scalar, &view, uv, self.limit_lod(lod)),
             None => [[0.0; 4]; 3],
         }
@@ -42,9 +42,7 @@ impl Sampler {
         sampler: &Self,
         second: &Texture2d<'_>,
     ) -> [f32; 4] {
-        let chain = &first.chain;
-        let view = BoundTexture::single(self, chain, Kernel::Bilinear, exact_format(chain));
-        let Some(view) = view else {
+        let Some(view) = self.view(first) else {
             return [0.0; 4];
         };
         let d = [d.du_dx, d.dv_dx, d.du_dy, d.dv_dy];

@@ -200,8 +200,9 @@ impl Sampler {
         }
     }
 
+    /// The texture as one lane reads it.
     #[inline(always)]
-    fn view<'a>(&self, t: &'a Texture2d<'_>) -> Option<BoundTexture<'a>> {
+    pub(crate) fn view<'a>(&self, t: &'a Texture2d<'_>) -> Option<BoundTexture<'a>> {
         let (kind, format) = (Kernel::of(self.filter), exact_format(&t.chain));
         BoundTexture::single(self, &t.chain, kind, format)
     }

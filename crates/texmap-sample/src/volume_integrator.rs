@@ -3,7 +3,7 @@
 
 use crate::{
     address::{lod, wrap::Wrap},
-    batch::Batch,
+    batch::{Batch, Places},
     bound_texture::BoundTexture,
     error::SampleError,
     sampler::{Filter, Sampler},
@@ -199,7 +199,12 @@ impl<'a> VolumeIntegrator<'a> {
         lanes.voxels.columns(lanes.level, &at, &mut colors);
         if let Some((view, along)) = &lanes.transfer {
             let values = columns[0];
-            let ramp = Batch::new(along, view, &values, &[0.5; STEPS], None);
+            let at = Places {
+                u: &values,
+                v: &[0.5; STEPS],
+                gradients: None,
+            };
+            let ramp = Batch::new(along, view, at);
             ramp.columns(lanes.level, columns.each_mut().map(|c| &mut c[..]));
         }
         let [r, g, b, a] = &columns;
