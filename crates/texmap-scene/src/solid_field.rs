@@ -1,6 +1,8 @@
 //! Solid textures evaluated: colour as a function of the position in space (Perlin 1985; Peachey 1985).
 
+use texmap_light::lanes::{affine, dot};
 use texmap_math::glam::DVec4;
+use texmap_math::simd::Number;
 use texmap_sample::{Pattern, Sampler, Texture3d, Wrap};
 
 use crate::{Effects, SolidTexture, SolidTextureSource};
@@ -58,28 +60,41 @@ impl<'s> SolidField<'s> {
         }
     }
 
-    /// The first three rows of the matrix from world space to the space of the texture.
+    /// Points in the space of the texture, and their changes, of world positions that move by `dx` and `dy` from pixel to pixel.
+    #[doc(hidden)]
+    #[inline(always)]
     #[must_use]
-    pub fn rows(&self) -> [[f32; 4]; 3] {
-        self.rows
+    pub fn place_lanes<T: Number<f32>>(&self, p: [T; 3], dx: [T; 3], dy: [T; 3]) -> [[T; 3]; 3] {
+        [
+            affine(&self.rows, p),
+            linear(&self.rows, dx),
+            linear(&self.rows, dy),
+        ]
     }
 
     /// The colour at a world position that moves by `dx` and `dy` from pixel to pixel: linear light, premultiplied. A pattern is grey.
     #[must_use]
     pub fn color(&self, p: [f32; 3], dx: [f32; 3], dy: [f32; 3]) -> [f32; 4] {
-        let along = |v: [f32; 3]| self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2]);
-        let (at, dx, dy) = (along(p), along(dx), along(dy));
-        let at = [0, 1, 2].map(|k| at[k] + self.rows[k][3]);
+        let [at, dx, dy] = self.place_lanes(p, dx, dy);
         match self.source {
             Source::Grid(grid, sampler, wrap_w) => {
                 sampler.sample_3d(grid, at, wrap_w, grid.lod(dx, dy))
             }
             Source::Pattern(pattern) => {
-                let squared = |d: [f32; 3]| d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-                let (x, y) = (squared(dx), squared(dy));
+                let (x, y) = (dot(dx, dx), dot(dy, dy));
                 let v = pattern.value(at, (if x > y { x } else { y }).sqrt());
                 [v, v, v, 1.0]
             }
         }
     }
+}
+
+/// A vector under the linear part of an affine map.
+#[inline(always)]
+fn linear<T: Number<f32>>(rows: &[[f32; 4]; 3], v: [T; 3]) -> [T; 3] {
+    let mut out = v;
+    for (out, [a, b, c, _]) in out.iter_mut().zip(rows) {
+        *out = v[0] * *a + v[1] * *b + v[2] * *c;
+    }
+    out
 }

@@ -58,7 +58,7 @@ impl<'s> SolidStage<'s> {
         out: &mut Columns<4>,
     ) {
         for at in (0..count).step_by(I::LANES) {
-            let ([u, v, w], [dx, dy]) = self.place(i, position, at);
+            let [[u, v, w], dx, dy] = self.place(i, position, at);
             out.store(i, at, [u, v, w, grid.lod_lanes(i, dx, dy)]);
         }
     }
@@ -73,36 +73,17 @@ impl<'s> SolidStage<'s> {
         out: &mut [f32; BATCH_STRIDE],
     ) {
         for at in (0..count).step_by(I::LANES) {
-            let (place, [dx, dy]) = self.place(i, position, at);
+            let [place, dx, dy] = self.place(i, position, at);
             let width = dot(dx, dx).above(dot(dy, dy)).sqrt();
             let value = pattern.value_lanes(i, place, width);
             value.store(&mut out[at..at + I::LANES]);
         }
     }
 
-    /// Points in the space of the texture, and their changes to the right and down.
+    /// See [`SolidField::place_lanes`].
     #[inline(always)]
-    fn place<I: Isa>(
-        &self,
-        i: I,
-        position: &[Varying; 3],
-        at: usize,
-    ) -> (Vector<I>, [Vector<I>; 2]) {
-        let mut place = self.along(i, load_vector(i, position, at));
-        for (c, row) in place.iter_mut().zip(self.field.rows()) {
-            *c = *c + row[3];
-        }
+    fn place<I: Isa>(&self, i: I, position: &[Varying; 3], at: usize) -> [Vector<I>; 3] {
         let [dx, dy] = load_changes(i, position, at);
-        (place, [self.along(i, dx), self.along(i, dy)])
-    }
-
-    /// A vector in the space of the texture.
-    #[inline(always)]
-    fn along<I: Isa>(&self, _: I, v: Vector<I>) -> Vector<I> {
-        let mut out = v;
-        for (out, r) in out.iter_mut().zip(self.field.rows()) {
-            *out = v[0] * r[0] + v[1] * r[1] + v[2] * r[2];
-        }
-        out
+        self.field.place_lanes(load_vector(i, position, at), dx, dy)
     }
 }
