@@ -1,8 +1,8 @@
 //! Dependent look-ups over columns have the bits of single ones, and take the bias of a level once.
 
-use crate::support::{Random, WRAPS, random_bytes, random_floats};
+use crate::support::{Random, WRAPS, float_texture, random_bytes, random_floats};
 use texmap_math::Footprint;
-use texmap_sample::{Filter, Lod, Places, Sampler, Texture2d, sample_dependent_soa};
+use texmap_sample::{Filter, Lod, Places, Sampler, sample_dependent_soa};
 use texmap_tests::levels::levels;
 
 fn columns(count: usize) -> [Vec<f32>; 6] {
@@ -90,16 +90,7 @@ fn columns_equal_single_dependent_look_ups_on_every_level() {
 fn the_bias_of_a_level_counts_once() {
     let first = random_floats(16, 16, 8).with_mips();
     let values: Vec<f32> = (0..512).map(|i| (i as f32 + 0.5) / 512.0).collect();
-    let ramp = texmap_sample::Image {
-        width: 512,
-        height: 1,
-        channels: 1,
-        texels: texmap_sample::TexelData::F32(&values),
-        color: texmap_sample::ColorSpace::Linear,
-        alpha: texmap_sample::Alpha::Data,
-        origin: texmap_sample::Origin::TopLeft,
-    };
-    let ramp = Texture2d::new(&ramp).unwrap();
+    let ramp = float_texture(512, 1, 1, &values);
     let plain = Sampler {
         filter: Filter::Bilinear,
         ..Sampler::default()

@@ -1,20 +1,11 @@
 //! Colour and alpha: S5, S6, origin, transforms.
 
-use crate::support::{Random, float_texture, random_bytes};
+use crate::support::{Random, bilinear_clamped, float_texture, random_bytes};
 use texmap_math::{Footprint, Level, color};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, SampleError, Sampler, TexelData, Texture2d,
     UvTransform, Wrap,
 };
-
-fn bilinear_clamped() -> Sampler {
-    Sampler {
-        filter: Filter::Bilinear,
-        wrap_u: Wrap::ClampToEdge,
-        wrap_v: Wrap::ClampToEdge,
-        ..Sampler::default()
-    }
-}
 
 /// S5. sRGB decodes before it is blended: halfway between black and green is half the light.
 #[test]

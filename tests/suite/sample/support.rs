@@ -1,7 +1,8 @@
 //! Textures and numbers that the sampler's tests share.
 
 use texmap_sample::{
-    Alpha, ColorSpace, Cubic, Filter, Image, Mip, Origin, TexelData, TexelFilter, Texture2d, Wrap,
+    Alpha, ColorSpace, Cubic, Filter, Image, Mip, Origin, Sampler, TexelData, TexelFilter,
+    Texture2d, Wrap,
 };
 
 pub(crate) const WRAPS: [Wrap; 5] = [
@@ -76,6 +77,15 @@ impl Random {
 
     pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
+    }
+}
+
+pub(crate) fn bilinear_clamped() -> Sampler {
+    Sampler {
+        filter: Filter::Bilinear,
+        wrap_u: Wrap::ClampToEdge,
+        wrap_v: Wrap::ClampToEdge,
+        ..Sampler::default()
     }
 }
 

@@ -1,8 +1,9 @@
 //! Rays through volumes against closed forms: the law of Beer and Lambert, ramps of matter, transfer functions, rays that miss.
 
+use crate::support::bilinear_clamped;
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, MAX_STEPS, OPAQUE, Origin, RayRadiance, SampleError, Sampler,
-    TexelData, Texture2d, Texture3d, VolumeIntegrator, Wrap,
+    TexelData, Texture2d, Texture3d, VolumeIntegrator,
 };
 
 fn grid(size: [u32; 3], values: &[f32]) -> Texture3d<'static> {
@@ -18,18 +19,9 @@ fn grid(size: [u32; 3], values: &[f32]) -> Texture3d<'static> {
     Texture3d::new(size[2], &image).unwrap()
 }
 
-fn sampler() -> Sampler {
-    Sampler {
-        filter: Filter::Bilinear,
-        wrap_u: Wrap::ClampToEdge,
-        wrap_v: Wrap::ClampToEdge,
-        ..Sampler::default()
-    }
-}
-
 #[test]
 fn homogeneous_matter_is_the_law_of_beer_and_lambert_for_every_step() {
-    let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
+    let (one, s) = (grid([1, 1, 1], &[1.0]), bilinear_clamped());
     for density in [0.0f32, 0.1, 1.0, 5.0] {
         for step in [1e-3f32, 0.01, 0.3, 1.0, 50.0] {
             let volume = VolumeIntegrator::new(&one, &s, None, density, step).unwrap();
@@ -61,7 +53,7 @@ fn homogeneous_matter_is_the_law_of_beer_and_lambert_for_every_step() {
 #[test]
 fn the_middle_of_a_step_is_exact_for_a_ramp_of_matter() {
     // Densities 0 to 1 over the middle of two voxels: the mean is a half.
-    let (two, s) = (grid([2, 1, 1], &[0.0, 1.0]), sampler());
+    let (two, s) = (grid([2, 1, 1], &[0.0, 1.0]), bilinear_clamped());
     let volume = VolumeIntegrator::new(&two, &s, None, 3.0, 0.125).unwrap();
     let a = volume
         .integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0))
@@ -76,7 +68,7 @@ fn the_middle_of_a_step_is_exact_for_a_ramp_of_matter() {
 
 #[test]
 fn rays_that_miss_or_are_no_rays_see_nothing() {
-    let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
+    let (one, s) = (grid([1, 1, 1], &[1.0]), bilinear_clamped());
     let volume = VolumeIntegrator::new(&one, &s, None, 1.0, 0.1).unwrap();
     for (origin, direction) in [
         ([-1.0, 1.5, 0.5], [1.0, 0.0, 0.0]),
@@ -102,7 +94,7 @@ fn rays_that_miss_or_are_no_rays_see_nothing() {
 
 #[test]
 fn a_dense_ray_ends_early_and_a_step_of_nothing_is_refused() {
-    let (one, s) = (grid([1, 1, 1], &[1.0]), sampler());
+    let (one, s) = (grid([1, 1, 1], &[1.0]), bilinear_clamped());
     let thick = VolumeIntegrator::new(&one, &s, None, 1000.0, 1e-3).unwrap();
     let seen = thick.integrate([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0], (0.0, 9.0));
     assert!(seen.steps < 12 && seen.color[3] > 1.0 - OPAQUE, "{seen:?}");
@@ -130,7 +122,7 @@ fn a_dense_ray_ends_early_and_a_step_of_nothing_is_refused() {
 #[test]
 fn the_transfer_function_gives_colour_and_density() {
     let values: Vec<f32> = (0..8).map(|i| (i as f32 + 0.5) / 8.0).collect();
-    let (row, s) = (grid([8, 1, 1], &values), sampler());
+    let (row, s) = (grid([8, 1, 1], &values), bilinear_clamped());
     // Clear below a half, red above.
     let ramp = Texture2d::from_rgba8(
         2,
@@ -142,7 +134,7 @@ fn the_transfer_function_gives_colour_and_density() {
     .unwrap();
     let along = Sampler {
         filter: Filter::Nearest,
-        ..sampler()
+        ..bilinear_clamped()
     };
     let volume = VolumeIntegrator::new(&row, &s, Some((&ramp, &along)), 2.0, 1.0 / 64.0).unwrap();
     let [r, g, b, a] = volume
