@@ -3,5 +3,6 @@
 pub(crate) mod blocks;
 pub(crate) mod depth_only;
 pub(crate) mod fragments;
+pub(crate) mod runs;
 pub(crate) mod sinks;
 pub(crate) mod visible;

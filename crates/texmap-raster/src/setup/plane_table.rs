@@ -7,7 +7,7 @@ use texmap_math::simd::{GatherTable, Isa, prelude::*};
 use crate::setup::group::{GROUP, Ids, solve};
 use crate::setup::planes::{COEFFICIENTS, hull, is_moderate, w_is_even};
 use crate::setup::{Ranged, TILE, TriangleSetup, origin, widen_attribute, widen_w};
-use crate::visibility::blocks::Runs;
+use crate::visibility::runs::Runs;
 use crate::visibility::visible::NO_PRIMITIVE;
 use crate::{BinnedDraws, Interp, MAX_ATTRIBUTES};
 

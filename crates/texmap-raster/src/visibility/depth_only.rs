@@ -9,7 +9,7 @@ use crate::coverage::stamp::{BLOCK_PIXELS, BLOCKS, Sink, stamp_group};
 use crate::front_end::prepared::{decides_visibility, for_all};
 use crate::setup::TILE;
 use crate::setup::group::{Group, Sharing};
-use crate::visibility::blocks::Runs;
+use crate::visibility::runs::Runs;
 use crate::visibility::sinks::passes;
 use crate::{AlphaTest, BinnedDraws, DepthTest, TileVisibility};
 
