@@ -50,7 +50,7 @@ pub use choices::{Budget, Choice, Choices};
 pub use environments::EnvironmentChoice;
 use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
-use pilot::PixelSamples;
+use pilot::{PixelSamples, positions};
 pub use prices::{Price, prices};
 use texmap_scene::{Mesh, Scene, ToneMapping};
 use view::View;
@@ -123,8 +123,11 @@ pub fn choose_sampled(
         })
         .collect();
     let mut places: Vec<PixelSamples> = {
-        let grid = pilot::grid(&views);
-        views.iter().map(|view| pilot::places(view, grid)).collect()
+        let grid = positions::grid(&views);
+        views
+            .iter()
+            .map(|view| positions::places(view, grid))
+            .collect()
     };
     let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();
     visible::keep_visible(scene, &positions, size, &mut places);
