@@ -50,7 +50,7 @@ pub use choices::{Budget, Choice, Choices};
 pub use environments::EnvironmentChoice;
 use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
-use pilot::{PixelSamples, positions};
+use pilot::{PixelSamples, pixel_grid};
 pub use prices::{Price, prices};
 use texmap_scene::{Mesh, Scene, ToneMapping};
 use view::View;
@@ -123,10 +123,10 @@ pub fn choose_sampled(
         })
         .collect();
     let mut places: Vec<PixelSamples> = {
-        let grid = positions::grid(&views);
+        let grid = pixel_grid::grid(&views);
         views
             .iter()
-            .map(|view| positions::places(view, grid))
+            .map(|view| pixel_grid::places(view, grid))
             .collect()
     };
     let before: Vec<usize> = places.iter().map(|p| p.list.len()).collect();

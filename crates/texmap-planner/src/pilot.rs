@@ -1,6 +1,6 @@
 //! Some of a mesh's own pixels, on which filters are tried.
 
-pub(super) mod positions;
+pub(super) mod pixel_grid;
 
 use std::collections::HashSet;
 

@@ -192,7 +192,7 @@ mod tests {
 
     use super::*;
     use crate::gain::Lighting;
-    use crate::pilot::positions::places;
+    use crate::pilot::pixel_grid::places;
     use crate::view::View;
 
     /// True if an opaque triangle of another mesh lies before a place: each is asked.
