@@ -77,14 +77,32 @@ impl Inputs {
     }
 }
 
+/// Bytes of a path that systems open.
+const LONGEST_NAME: usize = 4096;
+
+/// The files that a list names, one a line, beside it.
 pub(crate) fn listed(list: &Path, files: &FileSource) -> Result<Vec<PathBuf>, Failure> {
     let text = files.read_text(list, FileSource::MAX_LIST)?;
     let folder = list.parent().unwrap_or(Path::new(""));
-    let lines = text.lines().map(str::trim);
-    let names: Vec<PathBuf> = lines
-        .filter(|line| !line.is_empty() && !line.starts_with('#'))
-        .map(|line| folder.join(line))
-        .collect();
+    let mut names = Vec::new();
+    for (number, line) in (1..).zip(text.lines().map(str::trim)) {
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        // Lines of another kind of file are not told: they may be secret.
+        if line.len() > LONGEST_NAME || Path::new(line).extension().is_none() {
+            return Err(Failure::new(
+                Exit::Input,
+                "bad-list",
+                format!(
+                    "{}:{number}: not the name of a file with an ending",
+                    list.display()
+                ),
+                "write one file a line, as room.scene; `#` begins a comment",
+            ));
+        }
+        names.push(folder.join(line));
+    }
     match names.is_empty() {
         false => Ok(names),
         true => Err(Failure::new(
@@ -202,6 +220,14 @@ mod tests {
             names,
             [dir.path().join("a.obj"), dir.path().join("sub/b.obj")]
         );
+        let long = format!("{}.obj", "Q".repeat(5000));
+        for other in ["user password", &long] {
+            std::fs::write(&list, format!("a.obj\n{other}\n")).unwrap();
+            let error = listed(&list, &FileSource::anywhere()).unwrap_err();
+            assert_eq!(error.code, "bad-list");
+            assert!(error.what.contains("all.txt:2"), "{}", error.what);
+            assert!(!error.what.contains(other), "{}", error.what);
+        }
         std::fs::write(&list, "# none\n").unwrap();
         assert_eq!(
             listed(&list, &FileSource::anywhere()).unwrap_err().code,
