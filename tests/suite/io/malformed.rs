@@ -306,6 +306,24 @@ fn camera_paths_and_arrays() {
     );
 }
 
+/// Objects whose coordinates are projected share the box of their file, which is not sought again for each.
+#[test]
+fn very_many_objects_without_coordinates_are_no_fault() {
+    let mut text = String::from("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 4 0 0\nusemtl textured\n");
+    for i in 0..40_000 {
+        text += &format!("o n{i}\nf 1 2 3\n");
+    }
+    text += "o last\nf 1 4 3\n";
+    let scene = obj(&format!("mtllib a.mtl\n{text}"))
+        .with("a.mtl", "newmtl textured\nmap_Kd a.png\n")
+        .with_png("a.png", 8, 8, [200, 100, 50, 255])
+        .load("a.obj")
+        .expect("40,001 objects");
+    assert_eq!(scene.meshes.len(), 40_001);
+    let right = |mesh: usize| scene.meshes[mesh].uvs[1][0];
+    assert_eq!([right(0), right(39_999), right(40_000)], [0.25, 0.25, 1.0]);
+}
+
 #[test]
 fn a_huge_face_is_no_fault() {
     let mut text = String::new();

@@ -13,11 +13,17 @@ use super::vertices::{Vertex, Vertices};
 use super::{Part, UNNAMED};
 
 pub(crate) fn parts(obj: &Obj, descriptions: &[Description], textured: bool) -> Vec<Part> {
+    // The loops of each part run on a thread of the pool: from outside each would wake and await it.
+    rayon::scope(|_| parts_here(obj, descriptions, textured))
+}
+
+fn parts_here(obj: &Obj, descriptions: &[Description], textured: bool) -> Vec<Part> {
     let mut builder = Builder {
         obj,
         normals: Normals::of(obj),
         vertices: Vertices::new(obj.positions.len()),
         corners: &obj.corners,
+        bounds: None,
     };
     let sections = sections(obj, descriptions).into_iter();
     let build = |section: Section<'_>| {
@@ -87,6 +93,8 @@ struct Builder<'a> {
     vertices: Vertices,
     /// Of the faces that no part has yet.
     corners: &'a [Corner],
+    /// Of the whole file, once a part has asked for them.
+    bounds: Option<[[f32; 3]; 2]>,
 }
 
 impl Builder<'_> {
@@ -151,7 +159,7 @@ impl Builder<'_> {
         }
         // The corners of the whole model's box keep parts in one scale.
         let mut points: Vec<_> = bare.iter().map(|&i| part.positions[i as usize]).collect();
-        points.extend(bounds(obj));
+        points.extend(*self.bounds.get_or_insert_with(|| bounds(obj)));
         towards.extend([[0.0; 3]; 2]);
         let projected = project(&points, &towards, Projection::Box, Origin::BottomLeft);
         for (&i, uv) in bare.iter().zip(projected) {
