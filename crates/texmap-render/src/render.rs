@@ -98,10 +98,7 @@ impl<'s> Renderer<'s> {
             let centres = centres.then(|| plan(1, &settings.aovs)).transpose()?;
             Ok::<_, RenderError>((first, centres))
         };
-        let (plan, centres) = match &pool {
-            None => plans(),
-            Some(pool) => pool.install(plans),
-        }?;
+        let (plan, centres) = on_pool(pool.as_ref(), plans)?;
         Ok(Self {
             plan,
             centres,
@@ -136,10 +133,7 @@ impl<'s> Renderer<'s> {
         let buffers = Arc::get_mut(&mut self.plan.ready).map(FrameResources::take_buffers);
         let buffers = buffers.unwrap_or_default();
         let draw = || FrameResources::with_buffers(scene, settings, buffers).map(Arc::new);
-        let ready = match &self.pool {
-            None => draw(),
-            Some(pool) => pool.install(draw),
-        }?;
+        let ready = on_pool(self.pool.as_ref(), draw)?;
         for plan in self.centres.iter_mut().chain([&mut self.plan]) {
             plan.ready = Arc::clone(&ready);
         }
@@ -174,11 +168,9 @@ impl<'s> Renderer<'s> {
         progress: Progress<'_>,
         order: &(dyn Fn(usize) -> Vec<usize> + Sync),
     ) -> Result<(), RenderError> {
-        let mut draw = || self.draw_here(frame, progress, order);
-        match &self.pool {
-            None => draw(),
-            Some(pool) => pool.install(draw),
-        }
+        on_pool(self.pool.as_ref(), || {
+            self.draw_here(frame, progress, order)
+        })
     }
 
     fn draw_here(
@@ -295,6 +287,15 @@ impl<'s> Renderer<'s> {
             },
         );
         covered.into_inner()
+    }
+}
+
+/// `work` on a thread of the pool, of the present one without any: each of its parallel loops, of which every mesh has some, would
+/// wake and await the pool if it came from outside.
+fn on_pool<R: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
+    match pool {
+        None => rayon::scope(|_| work()),
+        Some(pool) => pool.install(work),
     }
 }
 

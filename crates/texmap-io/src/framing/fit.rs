@@ -67,11 +67,8 @@ impl Extent {
             });
             extents.reduce(|| Self::EMPTY, Self::and)
         };
-        scene
-            .meshes
-            .iter()
-            .map(of_mesh)
-            .fold(Self::EMPTY, Self::and)
+        let extents = scene.meshes.par_iter().map(of_mesh);
+        extents.reduce(|| Self::EMPTY, Self::and)
     }
 
     fn camera(
