@@ -16,6 +16,7 @@ mod look_up;
 mod peel;
 mod perspective;
 mod planes;
+mod poses;
 mod program;
 mod rast;
 mod rasterize;

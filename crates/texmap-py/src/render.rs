@@ -6,11 +6,12 @@ use texmap_io::framing::Bounds;
 use texmap_io::{CameraAxes, CameraPose, Intrinsics};
 use texmap_math::Camera;
 use texmap_raster::Interp;
-use texmap_render::{Aov, AovData, RenderSettings};
+use texmap_render::{Aov, RenderSettings};
 use texmap_sample::{Filter, Wrap};
 
+use crate::poses::{Pose, Values, draw_all};
 use crate::scene::{Loaded, Scene, look_at};
-use crate::support::{go_on, interruptible, level, value, word};
+use crate::support::{interruptible, level, value, word};
 
 /// The cameras of a call, as flat arrays.
 #[derive(FromPyObject)]
@@ -49,7 +50,7 @@ pub(crate) fn render(
 ) -> PyResult<Vec<String>> {
     let (width, height) = size;
     build_mips(py, scene)?;
-    let mut loaded = scene.copy()?;
+    let loaded = scene.copy()?;
     let cameras = all_cameras(&loaded, cameras.as_ref(), size)?;
     let mut settings = RenderSettings::new(width, height);
     settings.supersample = supersample.unwrap_or(1);
@@ -80,44 +81,15 @@ pub(crate) fn render(
     for (aov, array) in &mut ids {
         slices.push((*aov, Values::U32(array.as_slice_mut()?)));
     }
-    let pixels = width as usize * height as usize;
     interruptible(py, threads, |stop| {
-        let mut warnings: Vec<String> = Vec::new();
         let shaped = texmap_mesh::tessellate(&loaded.scene, width).map_err(value)?;
         let owned = match shaped {
             std::borrow::Cow::Owned(scene) => Some(scene),
             std::borrow::Cow::Borrowed(_) => None,
         };
-        if let Some(scene) = owned {
-            loaded.scene = scene;
-        }
-        for (k, camera) in cameras.iter().enumerate() {
-            loaded.scene.camera = *camera;
-            let frame =
-                texmap_render::render(&loaded.scene, &settings, &go_on(stop)).map_err(value)?;
-            rgba[k * pixels * 4..(k + 1) * pixels * 4].copy_from_slice(&frame.rgba);
-            for (aov, channels, data) in &frame.aovs {
-                let out = slices.iter_mut().find(|(found, _)| found == aov);
-                let at = k * pixels * channels..(k + 1) * pixels * channels;
-                match (out.map(|(_, out)| out), data) {
-                    (Some(Values::F32(out)), AovData::F32(data)) => out[at].copy_from_slice(data),
-                    (Some(Values::U32(out)), AovData::U32(data)) => out[at].copy_from_slice(data),
-                    _ => {}
-                }
-            }
-            for warning in frame.warnings {
-                if !warnings.contains(&warning) {
-                    warnings.push(warning);
-                }
-            }
-        }
-        Ok(warnings)
+        let scene = owned.unwrap_or(loaded.scene);
+        draw_all(scene, &settings, Pose::all(&cameras, rgba, slices), stop)
     })?
-}
-
-enum Values<'a> {
-    F32(&'a mut [f32]),
-    U32(&'a mut [u32]),
 }
 
 /// The buffer of a name; shadows by the number or name of their light.

@@ -55,6 +55,12 @@ def render(assets):
     return lambda: scene.render(poses, (1024, 1024), supersample=4, threads=1)
 
 
+def small_pictures(assets):
+    scene = texmap.load(assets / "models" / "head.obj")
+    poses = texmap.Poses([texmap.look_at((0, 0, 6))] * 60_000, "opencv", fov=50)
+    return lambda: scene.render(poses, (120, 120), threads=2)
+
+
 def bake(_):
     square, faces = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]]
     mesh = texmap.Mesh(square, faces, uv=[[0, 0], [1, 0], [1, 1], [0, 1]])
@@ -79,7 +85,7 @@ def unwrap(_):
     return lambda: texmap.unwrap(points, faces, size=8192, threads=1)
 
 
-@pytest.mark.parametrize("work", [render, bake, env, uv_raster, unwrap], ids=lambda work: work.__name__)
+@pytest.mark.parametrize("work", [render, small_pictures, bake, env, uv_raster, unwrap], ids=lambda work: work.__name__)
 def test_ctrl_c_ends_long_work(assets, work):
     assert interrupted(work(assets))
 

@@ -1,6 +1,9 @@
 """Scenes and pictures: the bytes of the program, batches, cameras, errors."""
 
 import json
+import os
+import subprocess
+import sys
 import threading
 import warnings
 
@@ -74,6 +77,65 @@ def test_batch_equals_single_pictures(assets):
         hashes.add(one.hash)
         assert all(np.array_equal(one[key], all_at_once[key][i], equal_nan=key == "depth") for key in one)
     assert len(hashes) == 100
+
+
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_threads_that_draw_poses_change_no_byte(assets, count):
+    # Warnings come in the order of the poses, too: every second camera looks away.
+    scene = texmap.load(assets / "models" / "house.obj")
+    poses = np.stack([looking_at((9 * np.sin(a), 3, 9 * np.cos(a))) for a in np.arange(count)])
+    poses[1::2, :3, :3] *= [-1, 1, -1]
+    aovs = ["normal", "depth", "mesh", "color"]
+    frames = []
+    for threads in (1, 2, 3):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", texmap.TexmapWarning)
+            frames.append(scene.render(texmap.Poses(poses, "opengl", fov=50), (150, 100), aovs=aovs, threads=threads))
+    for frame in frames[1:]:
+        assert all(np.array_equal(frame[key], frames[0][key], equal_nan=key in ("normal", "depth")) for key in frame)
+        assert frame.warnings == frames[0].warnings
+    assert len(frames[0].warnings) == (count > 1)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_the_first_pose_without_a_view_is_named(assets, threads):
+    scene = texmap.load(assets / "models" / "cow.obj")
+    poses = [looking_at((0, 3, 12))] * 40
+    k = np.tile([[70.0, 0, 32], [0, 70, 24], [0, 0, 1]], (40, 1, 1))
+    assert scene.render(texmap.Poses(poses, "opengl", K=k), (64, 48), threads=threads).rgba.shape == (40, 48, 64, 4)
+    k[[17, 18, 30], :2, :2] *= 1e-300  # so near that the field of view is 180 degrees
+    with pytest.raises(ValueError, match=r"^pose\[17\]: camera: [^\n]*field of view[^\n]*$"):
+        scene.render(texmap.Poses(poses, "opengl", K=k), (64, 48), threads=threads)
+    with pytest.raises(ValueError, match="^camera: "):
+        scene.render(texmap.Poses(poses[0], "opengl", K=k[17]), (64, 48), threads=threads)
+    # Faults of the call are no pose's.
+    with pytest.raises(ValueError, match="^settings: msaa"):
+        scene.render(texmap.Poses(poses, "opengl", fov=50), (64, 48), samples=3, threads=threads)
+
+
+SHORT_OF_MEMORY = """
+import resource, sys
+import numpy as np, texmap
+scene = texmap.load(sys.argv[1])
+poses = texmap.Poses([texmap.look_at((0, 1, 5 + k)) for k in range(4)], "opencv", fov=50)
+render = lambda: scene.render(poses, (1400, 1400), aovs=["normal", "position"], samples=1, threads=4).hash
+free = render()
+kept = [np.empty(4 * 1400 * 1400 * 28, np.uint8)]  # what the arrays of the call will take
+with open("/proc/self/statm") as file:
+    used = int(file.read().split()[0]) * resource.getpagesize()
+kept.clear()
+resource.setrlimit(resource.RLIMIT_AS, (used + (130 << 20), resource.RLIM_INFINITY))
+print(free == render())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS and /proc are Linux's")
+def test_poses_that_do_not_fit_in_memory_together_are_drawn_one_by_one(assets):
+    # A picture has 55 MB, four have more than the 130 MiB that are left.
+    model = assets / "models" / "cow.obj"
+    run = [sys.executable, "-c", SHORT_OF_MEMORY, model]
+    done = subprocess.run(run, capture_output=True, text=True, timeout=120, env=os.environ | {"MALLOC_ARENA_MAX": "1"})
+    assert done.stdout == "True\n", done.stderr
 
 
 def test_axes_and_directions_of_poses_agree(assets):

@@ -123,7 +123,7 @@ def render(
         premultiplied), shadow:LIGHT. Holes are NaN, or 2^32 - 1 in face and mesh. (height, width) for one channel, else with a last axis.
     filter, wrap, interp : replace those of the scene, by the words of the program.
     out : array for ``rgba`` that is filled: (height, width, 4) uint8, or (n, height, width, 4) for a batch.
-    threads, level : threads (default: all) and SIMD level; no pixel depends on either.
+    threads, level : threads (default: all) and SIMD level; no pixel depends on either. Small pictures of a batch are drawn one a thread.
 
     Returns
     -------
