@@ -10,7 +10,6 @@ use crate::support::{expect_length, level, value};
 use crate::texture::Texture;
 
 /// Look-ups by levels of detail: `level` holds one footprint length in texels an entry is multiplied with, see `texmap.dr.texture`.
-/// `boundary` is wrap, clamp or zero; `filter` nearest, linear, linear-mipmap-nearest or linear-mipmap-linear.
 #[pyfunction]
 #[pyo3(signature = (texture, uv, uv_da, bias, out, filter, boundary, max_level, threads, simd))]
 pub(crate) fn sample_levels(
@@ -26,18 +25,9 @@ pub(crate) fn sample_levels(
     threads: Option<usize>,
     simd: Option<&str>,
 ) -> PyResult<()> {
-    let wrap = match boundary {
-        "wrap" => Wrap::Repeat,
-        "clamp" => Wrap::ClampToEdge,
-        "zero" => Wrap::ClampToBorder,
-        other => {
-            return Err(value(format!(
-                "boundary_mode={other:?}: know wrap, clamp, zero, cube"
-            )));
-        }
-    };
     let uv = uv.as_slice()?;
-    let by_levels = ByLevels::new(filter, wrap, max_level, (&uv_da, 4), &bias, uv.len() / 2)?;
+    let count = uv.len() / 2;
+    let by_levels = ByLevels::new(filter, boundary, max_level, (&uv_da, 4), &bias, count)?;
     let ByLevels { sampler, da, bias } = by_levels;
     let (width, height, ..) = texture.shape();
     let size = [width as f32, height as f32];
@@ -74,10 +64,11 @@ pub(crate) struct ByLevels<'a> {
 }
 
 impl<'a> ByLevels<'a> {
-    /// For `count` look-ups; `da` holds so many derivatives for each, `bias` one.
+    /// For `count` look-ups; `da` holds so many derivatives for each, `bias` one. `boundary` is wrap, clamp, zero, or cube for cubes, which
+    /// have no edge; `filter` nearest, linear, linear-mipmap-nearest or linear-mipmap-linear.
     pub(crate) fn new(
         filter: &str,
-        wrap: Wrap,
+        boundary: &str,
         max_level: f32,
         (da, each): (&'a Option<PyReadonlyArray1<'_, f32>>, usize),
         bias: &'a Option<PyReadonlyArray1<'_, f32>>,
@@ -89,6 +80,7 @@ impl<'a> ByLevels<'a> {
             expect_length(name, found.len(), expected)?;
             PyResult::Ok(Some(found))
         };
+        let wrap = dr_boundary(boundary)?;
         Ok(Self {
             sampler: Sampler {
                 filter: dr_filter(filter)?,
@@ -106,7 +98,18 @@ impl<'a> ByLevels<'a> {
     }
 }
 
-pub(crate) fn dr_filter(name: &str) -> PyResult<Filter> {
+fn dr_boundary(name: &str) -> PyResult<Wrap> {
+    match name {
+        "wrap" | "cube" => Ok(Wrap::Repeat),
+        "clamp" => Ok(Wrap::ClampToEdge),
+        "zero" => Ok(Wrap::ClampToBorder),
+        other => Err(value(format!(
+            "boundary_mode={other:?}: know wrap, clamp, zero, cube"
+        ))),
+    }
+}
+
+fn dr_filter(name: &str) -> PyResult<Filter> {
     match name {
         "nearest" => Ok(Filter::Nearest),
         "linear" => Ok(Filter::Bilinear),

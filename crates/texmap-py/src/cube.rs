@@ -3,7 +3,7 @@
 use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use texmap_sample::{Alpha, ColorSpace, Image, Origin, Sampler, TexelData, TextureCube};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, TextureCube};
 
 use crate::by_levels::ByLevels;
 use crate::support::{expect_length, unlocked, value};
@@ -77,8 +77,7 @@ pub(crate) fn sample_cube(
     let channels = cube.channels;
     let count = directions.len() / 3;
     expect_length("out", out.len(), count * channels)?;
-    let wrap = Sampler::default().wrap_u;
-    let by_levels = ByLevels::new(filter, wrap, max_level, (&da, 6), &bias, count)?;
+    let by_levels = ByLevels::new(filter, "cube", max_level, (&da, 6), &bias, count)?;
     let ByLevels { sampler, da, bias } = by_levels;
     unlocked(py, threads, || {
         out.par_chunks_mut(channels)

@@ -3,18 +3,10 @@
 use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 use texmap_math::deterministic_f64;
-use texmap_sample::Filter;
+use texmap_sample::{Filter, Wrap};
 
-use crate::by_levels::{dr_filter, footprint_length};
-use crate::support::{expect_length, value};
-
-/// Treatment of texels outside of the image.
-#[derive(Clone, Copy)]
-enum Boundary {
-    Wrap,
-    Clamp,
-    Zero,
-}
+use crate::by_levels::{ByLevels, footprint_length};
+use crate::support::expect_length;
 
 /// Gradient with respect to the texels of one image from that with respect to the look-ups of `sample_levels`. Summed in f64 in the
 /// order of the look-ups, on one thread; that of a coarser level goes to the texels that it is the mean of.
@@ -33,38 +25,22 @@ pub(crate) fn texture_gradient(
     max_level: usize,
     mut out: PyReadwriteArray1<'_, f32>,
 ) -> PyResult<()> {
-    let boundary = match boundary {
-        "wrap" => Boundary::Wrap,
-        "clamp" => Boundary::Clamp,
-        "zero" => Boundary::Zero,
-        other => {
-            return Err(value(format!(
-                "boundary_mode={other:?}: know wrap, clamp, zero"
-            )));
-        }
-    };
-    let filter = dr_filter(filter)?;
     let uv = uv.as_slice()?.as_chunks::<2>().0;
-    let uv_da = uv_da.as_ref().map(|d| d.as_slice()).transpose()?;
-    let bias = bias.as_ref().map(|d| d.as_slice()).transpose()?;
+    let last = max_level as f32;
+    let by_levels = ByLevels::new(filter, boundary, last, (&uv_da, 4), &bias, uv.len())?;
+    let ByLevels { sampler, da, bias } = by_levels;
     let (grad, out) = (grad.as_slice()?, out.as_slice_mut()?);
     expect_length("grad", grad.len(), uv.len() * channels)?;
     expect_length("out", out.len(), size.0 * size.1 * channels)?;
-    if let Some(uv_da) = uv_da {
-        expect_length("uv_da", uv_da.len(), uv.len() * 4)?;
-    }
-    if let Some(bias) = bias {
-        expect_length("mip_level_bias", bias.len(), uv.len())?;
-    }
     py.detach(|| {
         let mut levels = Levels::new(size, channels, max_level);
         let texels = [size.0 as f32, size.1 as f32];
         for (k, uv) in uv.iter().enumerate() {
             let grad = &grad[k * channels..(k + 1) * channels];
-            let length = uv_da.map_or(1.0, |da| footprint_length(&da[4 * k..4 * k + 4], texels));
+            let length = da.map_or(1.0, |da| footprint_length(&da[4 * k..4 * k + 4], texels));
             let lod =
                 deterministic_f64::log2(f64::from(length)) + bias.map_or(0.0, |b| f64::from(b[k]));
-            levels.scatter(filter, boundary, uv.map(f64::from), lod, grad);
+            levels.scatter(sampler.filter, sampler.wrap_u, uv.map(f64::from), lod, grad);
         }
         levels.gather(out);
     });
@@ -90,49 +66,35 @@ impl Levels {
         }
     }
 
-    fn scatter(
-        &mut self,
-        filter: Filter,
-        boundary: Boundary,
-        uv: [f64; 2],
-        lod: f64,
-        grad: &[f32],
-    ) {
+    fn scatter(&mut self, filter: Filter, wrap: Wrap, uv: [f64; 2], lod: f64, grad: &[f32]) {
         let last = (self.all.len() - 1) as f64;
         // NaN, of a footprint without length, gives the finest level.
         let lod = if lod > 0.0 { lod } else { 0.0 };
         let lod = if lod < last { lod } else { last };
         match filter {
-            Filter::Nearest => self.add_nearest(boundary, uv, grad),
-            Filter::Bilinear => self.add(0, 1.0, boundary, uv, grad),
+            Filter::Nearest => self.add_nearest(wrap, uv, grad),
+            Filter::Bilinear => self.add(0, 1.0, wrap, uv, grad),
             Filter::BilinearMipNearest => {
                 let nearest = (lod + 0.5).ceil() - 1.0;
-                self.add(nearest.max(0.0) as usize, 1.0, boundary, uv, grad);
+                self.add(nearest.max(0.0) as usize, 1.0, wrap, uv, grad);
             }
             _ => {
                 let (level, part) = (lod.floor(), lod - lod.floor());
-                self.add(level as usize, 1.0 - part, boundary, uv, grad);
+                self.add(level as usize, 1.0 - part, wrap, uv, grad);
                 if part > 0.0 {
-                    self.add(level as usize + 1, part, boundary, uv, grad);
+                    self.add(level as usize + 1, part, wrap, uv, grad);
                 }
             }
         }
     }
 
-    fn add_nearest(&mut self, boundary: Boundary, [u, v]: [f64; 2], grad: &[f32]) {
+    fn add_nearest(&mut self, wrap: Wrap, [u, v]: [f64; 2], grad: &[f32]) {
         let (width, height) = self.all[0].0;
         let (x, y) = ((u * width as f64).floor(), (v * height as f64).floor());
-        self.add_texel(0, 1.0, boundary, [x, y], grad);
+        self.add_texel(0, 1.0, wrap, [x, y], grad);
     }
 
-    fn add(
-        &mut self,
-        level: usize,
-        weight: f64,
-        boundary: Boundary,
-        [u, v]: [f64; 2],
-        grad: &[f32],
-    ) {
+    fn add(&mut self, level: usize, weight: f64, wrap: Wrap, [u, v]: [f64; 2], grad: &[f32]) {
         let (width, height) = self.all[level].0;
         let (x, y) = (u * width as f64 - 0.5, v * height as f64 - 0.5);
         let (left, top) = (x.floor(), y.floor());
@@ -143,26 +105,20 @@ impl Levels {
             (0.0, 1.0, (1.0 - fx) * fy),
             (1.0, 1.0, fx * fy),
         ] {
-            self.add_texel(level, weight * part, boundary, [left + dx, top + dy], grad);
+            self.add_texel(level, weight * part, wrap, [left + dx, top + dy], grad);
         }
     }
 
-    fn add_texel(
-        &mut self,
-        level: usize,
-        weight: f64,
-        boundary: Boundary,
-        at: [f64; 2],
-        grad: &[f32],
-    ) {
+    fn add_texel(&mut self, level: usize, weight: f64, wrap: Wrap, at: [f64; 2], grad: &[f32]) {
         let ((width, height), sums) = &mut self.all[level];
         let place = |at: f64, count: usize| {
             let n = count as f64;
-            match boundary {
+            match wrap {
                 _ if !at.is_finite() => None,
-                Boundary::Wrap => Some((at - (at / n).floor() * n) as usize % count),
-                Boundary::Clamp => Some(at.clamp(0.0, n - 1.0) as usize),
-                Boundary::Zero => (0.0..n).contains(&at).then_some(at as usize),
+                Wrap::Repeat => Some((at - (at / n).floor() * n) as usize % count),
+                Wrap::ClampToEdge => Some(at.clamp(0.0, n - 1.0) as usize),
+                // Texels outside of the image are zero.
+                _ => (0.0..n).contains(&at).then_some(at as usize),
             }
         };
         if let (Some(x), Some(y)) = (place(at[0], *width), place(at[1], *height)) {

@@ -92,6 +92,11 @@ def test_positions_have_no_gradient():
         grad.texture_backward(np.zeros((1, 1, 1, 3)), (1, 4, 4, 3), np.zeros((1, 1, 1, 2)), boundary_mode="cube")
 
 
+def test_an_unknown_boundary_is_an_error():
+    with pytest.raises(ValueError, match="boundary_mode=\"mirror\": know wrap, clamp, zero"):
+        grad.texture_backward(np.zeros((1, 1, 1, 3)), (1, 4, 4, 3), np.zeros((1, 1, 1, 2)), boundary_mode="mirror")
+
+
 def test_autograd_fits_a_texture_and_colours(rng):
     torch = pytest.importorskip("torch")
     points, tri = icosphere(2)
