@@ -5,7 +5,7 @@ use texmap_math::camera::CameraError;
 #[non_exhaustive]
 pub enum SceneError {
     /// The camera has no view.
-    #[error("camera: {0}")]
+    #[error(transparent)]
     Camera(CameraError),
     /// A parallel projection of what is looked up along rays from one eye.
     #[error(
