@@ -1,28 +1,21 @@
-//! Shadows, projectors, environments, bump and light maps in whole frames.
+//! Shadows, projectors, environments, bump and light maps together in whole frames.
 
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use texmap_bake::{BakeOptions, Baker, bake};
 use texmap_light::{
     Environment, EnvironmentLayout, Light, NormalMapGreen, PhongMaterial, ProjectorBorder,
     ShadowBias, SpecularModel,
 };
 use texmap_math::Projector;
 use texmap_math::glam::{DMat4, DVec3};
-use texmap_render::{
-    Aov, AovData, Frame, HOLE_BITS, RenderError, RenderSettings, render, shadow_map_for,
-};
+use texmap_render::{Aov, AovData, Frame, HOLE_BITS, RenderSettings, render};
 use texmap_sample::{Filter, Sampler};
 use texmap_scene::SceneError;
 use texmap_scene::{
-    Effects, Emission, LightMapSlot, Material, Mesh, NormalDetail, ProceduralHeight,
-    ProjectorLight, ProjectorMode, Reflection, Scene, Shading, Shadow, SurfaceMaps, shadow_bias,
-    shadow_kind,
+    Effects, LightMapSlot, Material, Mesh, NormalDetail, ProceduralHeight, ProjectorLight,
+    ProjectorMode, Reflection, Scene, Shading, Shadow, SurfaceMaps,
 };
 use texmap_tests::levels::levels;
 
-use crate::scenes::{bits, draw, empty, of, pixel, quad, slot, texture, wall};
+use crate::scenes::{bits, draw, empty, pixel, quad, slot, texture, wall};
 
 fn shadow(light: usize) -> Shadow {
     Shadow {
@@ -34,7 +27,11 @@ fn shadow(light: usize) -> Shadow {
     }
 }
 
-fn projector_light(texture: usize, role: ProjectorMode, map: Option<u32>) -> ProjectorLight {
+pub(crate) fn projector_light(
+    texture: usize,
+    role: ProjectorMode,
+    map: Option<u32>,
+) -> ProjectorLight {
     let position = DVec3::new(0.5, 1.5, -0.5);
     ProjectorLight {
         projector: Projector::new(position, DVec3::new(0.0, -0.3, -3.0), DVec3::Y, 0.9, 1.5)
@@ -50,7 +47,7 @@ fn projector_light(texture: usize, role: ProjectorMode, map: Option<u32>) -> Pro
 }
 
 /// A floor, a wall and a plate before it, with every effect at once.
-fn all() -> Scene {
+pub(crate) fn all() -> Scene {
     let picture = texture(32, 32, |x, y| [(x * 8) as u8, (y * 8) as u8, 200, 255]);
     let heights = texture(32, 32, |x, y| [((x * y) % 256) as u8, 0, 0, 255]);
     let normals = texture(16, 16, |x, y| {
@@ -158,7 +155,7 @@ fn settings() -> RenderSettings {
     }
 }
 
-fn rendered(scene: &Scene, settings: &RenderSettings) -> Frame {
+pub(crate) fn rendered(scene: &Scene, settings: &RenderSettings) -> Frame {
     render(scene, settings, &texmap_render::no_progress).unwrap()
 }
 
@@ -349,210 +346,6 @@ fn a_white_light_map_is_the_surface() {
     assert_eq!(pixel(&draw(&dark, 9, 9), 4, 4)[..3], [32, 64, 128]);
 }
 
-/// Property 23, lit part: what the projector lights does not depend on where the eye is.
-#[test]
-fn slides_do_not_follow_the_eye() {
-    let mut scene = Scene {
-        textures: vec![texture(32, 32, |x, _| {
-            if x < 16 {
-                [255, 0, 0, 255]
-            } else {
-                [0, 255, 0, 255]
-            }
-        })],
-        materials: vec![Material {
-            phong: PhongMaterial {
-                color: [1.0; 3],
-                ks: 0.0,
-                ..PhongMaterial::default()
-            },
-            ..Material::default()
-        }],
-        meshes: vec![wall(4.0, 4.0)],
-        effects: Effects {
-            projectors: vec![ProjectorLight {
-                softness: 0.0,
-                sampler: Sampler {
-                    filter: Filter::Nearest,
-                    ..Sampler::default()
-                },
-                ..projector_light(0, ProjectorMode::Light([1.0; 3]), None)
-            }],
-            ..Effects::default()
-        },
-        ..empty()
-    };
-    let projector = scene.effects.projectors[0].projector;
-    for eye in [[0.0; 3], [1.5, 0.7, -1.0], [-2.0, 0.0, 0.5]] {
-        scene.camera.eye = DVec3::from(eye);
-        scene.camera.look = DVec3::new(0.0, 0.0, -4.0);
-        let settings = RenderSettings {
-            aovs: vec![Aov::Position],
-            ..RenderSettings::new(120, 120)
-        };
-        let frame = rendered(&scene, &settings);
-        let (mut red, mut green) = (0, 0);
-        for (x, y) in (0..120).flat_map(|y| (0..120).map(move |x| (x, y))) {
-            let p: [f32; 3] = crate::scenes::values(&frame, Aov::Position, x, y)
-                .try_into()
-                .unwrap();
-            let Some(uv) = projector
-                .uv(DVec3::from(p.map(f64::from)))
-                .filter(|uv| uv.is_finite())
-            else {
-                continue;
-            };
-            let [r, g, _, _] = pixel(&frame, x, y);
-            let inside = uv.min_element() > 0.01 && uv.max_element() < 0.99;
-            let outside = uv.min_element() < -0.01 || uv.max_element() > 1.01;
-            if inside && (uv.x - 0.5).abs() > 0.02 {
-                assert_eq!((r > 20, g > 20), (uv.x < 0.5, uv.x > 0.5), "{uv}");
-                (red, green) = (red + u32::from(r > 20), green + u32::from(g > 20));
-            } else if outside {
-                assert_eq!((r, g), (0, 0), "{uv}");
-            }
-        }
-        assert!(red > 100 && green > 100, "{red} {green}");
-    }
-}
-
-/// A point behind a projector or beside its lens gets nothing of its picture, whatever the border rule: t is tested before the
-/// division, on every level.
-#[test]
-fn nothing_behind_a_projector_is_lit() {
-    let position = DVec3::new(0.1, 0.2, -2.0);
-    let borders = [
-        ProjectorBorder::Black,
-        ProjectorBorder::Clamp,
-        ProjectorBorder::Repeat,
-    ];
-    let roles = [ProjectorMode::Light([1.0; 3]), ProjectorMode::Decal];
-    // Level 0 alone is looked up in lanes, levels sample by sample.
-    let filters = [Filter::Bilinear, Filter::Trilinear];
-    let scene = |toward: DVec3, border, role, filter| Scene {
-        textures: vec![texture(8, 8, |_, _| [255; 4])],
-        materials: vec![Material {
-            phong: PhongMaterial {
-                color: [0.25, 0.0, 0.5],
-                ks: 0.0,
-                ..PhongMaterial::default()
-            },
-            ..Material::default()
-        }],
-        lights: vec![Light::Ambient { color: [1.0; 3] }],
-        meshes: vec![wall(3.0, 3.0)],
-        effects: Effects {
-            projectors: vec![ProjectorLight {
-                projector: Projector::new(position, position + toward, DVec3::Y, 0.9, 1.0).unwrap(),
-                position,
-                border,
-                sampler: Sampler {
-                    filter,
-                    ..Sampler::default()
-                },
-                ..projector_light(0, role, None)
-            }],
-            ..Effects::default()
-        },
-        ..empty()
-    };
-    let lit = |scene: &Scene, level| {
-        let settings = RenderSettings {
-            level,
-            ..RenderSettings::new(80, 80)
-        };
-        let frame = rendered(scene, &settings);
-        // The wall alone gives back a quarter of the red.
-        frame.rgba.chunks_exact(4).filter(|p| p[0] > 70).count()
-    };
-    for (name, level) in levels() {
-        let kinds = borders.into_iter().flat_map(|b| roles.map(|r| (b, r)));
-        for ((border, role), filter) in kinds.flat_map(|k| filters.map(|f| (k, f))) {
-            let away = scene(DVec3::Z, border, role, filter);
-            assert_eq!(
-                lit(&away, level),
-                0,
-                "{name} {border:?} {role:?} {filter:?}"
-            );
-            let toward = scene(DVec3::NEG_Z, border, role, filter);
-            assert!(
-                lit(&toward, level) > 80,
-                "{name} {border:?} {role:?} {filter:?}"
-            );
-        }
-    }
-}
-
-/// Light maps come out the same for any number of threads, and agree with light computed per pixel.
-#[test]
-fn bakes_are_the_same_on_any_number_of_threads() {
-    let scene = all();
-    let mut shadows = Vec::new();
-    for light in 1..4 {
-        let kind = shadow_kind(&scene, light, None).unwrap();
-        let bias = shadow_bias(&scene);
-        let map = shadow_map_for(&scene, &kind, 128, bias, 3, 1).unwrap();
-        shadows.push((light, map, bias, 3));
-    }
-    let options = BakeOptions {
-        size: 64,
-        gutter: 2,
-        shadows: &shadows,
-        lights: None,
-    };
-    let pool = |n| {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(n)
-            .build()
-            .unwrap()
-    };
-    let one = pool(1).install(|| bake(&scene, 0, &options).unwrap());
-    let three = pool(3).install(|| bake(&scene, 0, &options).unwrap());
-    assert_eq!(one, three);
-    let dark = one.texels.iter().filter(|c| c[0] < 0.3).count();
-    assert!(dark > 50 && dark < 3_000, "{dark}");
-    assert!(one.texels.iter().flatten().all(|c| c.is_finite()));
-}
-
-/// A break at a step of the atlas or at a lit row ends a bake there.
-#[test]
-fn a_break_of_progress_ends_a_bake() {
-    let scene = all();
-    let options = BakeOptions {
-        size: 64,
-        gutter: 2,
-        shadows: &[],
-        lights: None,
-    };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let work = |last: usize| {
-        let calls = AtomicUsize::new(0);
-        let progress = |_: usize, _: usize| {
-            let call = calls.fetch_add(1, Ordering::Relaxed) + 1;
-            match call < last {
-                true => ControlFlow::Continue(()),
-                false => ControlFlow::Break(()),
-            }
-        };
-        let baker = Baker::new(&scene).unwrap();
-        (
-            baker.bake_with_progress(0, &options, &progress),
-            calls.into_inner(),
-        )
-    };
-    pool.unwrap().install(|| {
-        let (whole, calls) = work(usize::MAX);
-        assert_eq!(whole.unwrap(), bake(&scene, 0, &options).unwrap());
-        // One row of tiles in three stages, two texels of gutter, 64 rows.
-        assert_eq!(calls, 3 + 2 + 64);
-        for last in [1, 4, 5, 6, 40, calls] {
-            let (cancelled, early) = work(last);
-            assert!(matches!(cancelled, Err(RenderError::Cancelled)));
-            assert_eq!(early, last);
-        }
-    });
-}
-
 #[test]
 fn faults_of_effects_are_named() {
     let refused = |change: Change| {
@@ -650,79 +443,4 @@ fn faults_of_effects_are_named() {
         .iter_mut()
         .for_each(|s| s.bias = Some(bias));
     assert!(acne.check().is_ok());
-}
-
-/// Emission is added to what a surface receives, under every kind of shading, and clipped with it. The bytes are those of
-/// its own formula.
-#[test]
-fn surfaces_give_off_light_of_their_own() {
-    let picture = texture(2, 1, |x, _| {
-        [[255, 51, 0, 255], [51, 255, 102, 255]][x as usize]
-    });
-    let base = [0.2, 0.4, 0.6];
-    let color = [0.5, 1.0, 2.0];
-    let frame = |shading, map: bool| {
-        let material = Material {
-            phong: PhongMaterial {
-                color: base,
-                ka: 1.0,
-                ..PhongMaterial::default()
-            },
-            shading,
-            emission: Some(Emission {
-                color,
-                map: map.then(|| slot(0, Filter::Nearest).unwrap()),
-            }),
-            ..Material::default()
-        };
-        let scene = Scene {
-            lights: vec![Light::Ambient { color: [0.5; 3] }],
-            textures: vec![picture.clone()],
-            ..of(material, wall(2.0, 1.0))
-        };
-        let frame = draw(&scene, 16, 8);
-        for (name, level) in levels() {
-            let settings = RenderSettings {
-                level,
-                ..RenderSettings::new(16, 8)
-            };
-            let other = render(&scene, &settings, &texmap_render::no_progress).expect("a picture");
-            assert_eq!(frame.rgba, other.rgba, "{shading:?} {name}");
-        }
-        frame
-    };
-    for (shading, light) in [
-        (Shading::Unlit, 1.0f32),
-        (Shading::PerVertex, 0.5),
-        (Shading::PerPixel, 0.5),
-    ] {
-        for map in [false, true] {
-            let frame = frame(shading, map);
-            for (x, texel) in [(4, [1.0, 0.2, 0.0]), (11, [0.2, 1.0, 0.4])] {
-                let texel = if map { texel } else { [1.0; 3] };
-                let expected =
-                    [0, 1, 2].map(|k| (base[k] * light + color[k] * texel[k]).min(1.0) * 255.0);
-                let found = pixel(&frame, x, 4);
-                for k in 0..3 {
-                    assert!(
-                        (f32::from(found[k]) - expected[k]).abs() <= 0.51,
-                        "{shading:?} {map} {found:?} {expected:?}"
-                    );
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn emission_must_be_light() {
-    let material = Material {
-        emission: Some(Emission {
-            color: [0.0, f32::NAN, 0.0],
-            map: None,
-        }),
-        ..Material::default()
-    };
-    let error = of(material, wall(1.0, 1.0)).check().unwrap_err();
-    assert!(matches!(error, SceneError::Value { what, .. } if what == "emission"));
 }

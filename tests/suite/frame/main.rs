@@ -1,6 +1,7 @@
 //! Laws and regressions of whole frames.
 
 mod aov;
+mod bakes;
 mod bench_scenes;
 mod blend;
 mod bytes;
@@ -9,6 +10,7 @@ mod color;
 mod cutout;
 mod degenerate;
 mod effects;
+mod emission;
 mod errors;
 mod floor;
 mod gouraud;
@@ -16,6 +18,7 @@ mod light;
 mod metallic;
 mod packed;
 mod parallel;
+mod projectors;
 mod reliefs;
 mod round;
 mod samples;
