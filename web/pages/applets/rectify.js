@@ -7,7 +7,7 @@ export default {
   formula: '(x′ w, y′ w, w) = H (x, y, 1): four points, eight unknowns',
   even: true,
   controls: [
-    { id: 'from', kind: 'points', panel: 1, label: 'Point', value: [[0.713, 0.205], [0.925, 0.192], [0.912, 0.722], [0.704, 0.69]] },
+    { id: 'from', kind: 'points', panel: 1, label: 'Point', value: [[0.717, 0.201], [0.928, 0.192], [0.912, 0.728], [0.709, 0.716]] },
     { id: 'width', kind: 'range', label: 'Width', unit: 'pixels', min: 32, max: 1024, step: 1, value: 300 },
     { id: 'height', kind: 'range', label: 'Height', unit: 'pixels', min: 32, max: 1024, step: 1, value: 420 },
     { id: 'filter', kind: 'choice', label: 'Filter', value: 'anisotropic:16', options: ['nearest', 'bilinear', 'bicubic:mitchell', 'anisotropic:16', 'ewa:8'] },
