@@ -123,9 +123,7 @@ fn in_the_middle(exponent: f32) -> Result<Claim, LabError> {
     let fine = 2.0 / f64::from(TEXELS);
     let rim = std::f64::consts::PI * sin * (fine * weight + 0.5 * coarse * coarse * slope);
     Ok(Claim::new(
-        format!(
-            "light of a lamp of {LAMP} degrees in its middle, exponent {exponent}: 1 - cos^(n + 1)"
-        ),
+        format!("middle of an area light of {LAMP} degrees, exponent {exponent}: 1 - cos^(n + 1)"),
         f64::from(found),
         1.0 - pow(cos, n + 1.0),
         // The look-up is off by a hundredth of the range.
@@ -172,15 +170,15 @@ pub(super) fn specular_maps(size: u32) -> Result<DemoPicture, LabError> {
     claims.extend(claims! {
         "under an even sky: largest difference to its light on the ball, /255" =>
             f64::from(on_ball.map(off_even).max().unwrap_or(255)), 0.0, 0.0;
-        format!("a lamp of {POINT} degrees against Phong's highlight, exponent {SHARP}: largest difference, /255") =>
+        format!("an area light of {POINT} degrees against Phong's highlight, exponent {SHARP}: largest difference, /255") =>
             worst(&point, &phong), 0.0, bound;
-        "the lamp mirrored, not gathered: the same, at least" => worst(&mirrored, &phong).min(100.0), 100.0, 0.0;
+        "the area light mirrored, not gathered: the same, at least" => worst(&mirrored, &phong).min(100.0), 100.0, 0.0;
     });
 
     let sky = environment(studio)?;
     let mut panels = panels! {
         stage::photograph(&shown(sky.clone(), true), size)? =>
-            "Mirrored", "The lamps in the environment as a mirror shows them.";
+            "Mirrored", "The area lights in the environment as a mirror shows them.";
     };
     for exponent in EXPONENTS.iter().rev() {
         let map = gathered(&sky, *exponent)?;
