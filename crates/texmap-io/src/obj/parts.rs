@@ -13,11 +13,6 @@ use super::vertices::{Vertex, Vertices};
 use super::{Part, UNNAMED};
 
 pub(crate) fn parts(obj: &Obj, descriptions: &[Description], textured: bool) -> Vec<Part> {
-    // The loops of each part run on a thread of the pool: from outside each would wake and await it.
-    rayon::scope(|_| parts_here(obj, descriptions, textured))
-}
-
-fn parts_here(obj: &Obj, descriptions: &[Description], textured: bool) -> Vec<Part> {
     let mut builder = Builder {
         obj,
         normals: Normals::of(obj),
