@@ -14,24 +14,24 @@ use crate::LabError;
 const TEXELS: u32 = 512;
 /// Exponents of the panels and claims.
 const EXPONENTS: [f32; 3] = [5.0, 20.0, 100.0];
-/// Half the angle under which the round lamp is seen, in degrees.
-const LAMP: f64 = 30.0;
-/// That of the lamp which stands for a point, and the exponent of its highlight.
+/// Half the angle under which the round area light is seen, in degrees.
+const AREA_LIGHT: f64 = 30.0;
+/// That of the area light which stands for a point, and the exponent of its highlight.
 const POINT: f64 = 3.0;
 const SHARP: f32 = 20.0;
 /// Light of the even sky: a whole code value, 153.
 const EVEN: f32 = 0.6;
 
-/// Unit direction to the round lamp: above, to the right, on the viewer's side.
-fn lamp() -> DVec3 {
+/// Unit direction to the round area light: above, to the right, on the viewer's side.
+fn area_light() -> DVec3 {
     DVec3::new(0.5, 0.55, 0.67).normalize()
 }
 
-/// White within `degrees` of the lamp's middle.
+/// White within `degrees` of the area light's middle.
 fn disc(degrees: f64, light: f32) -> impl Fn(DVec3) -> [f32; 3] + Sync {
     let (_, least) = sin_cos(degrees.to_radians());
     move |d| {
-        [if d.normalize().dot(lamp()) >= least {
+        [if d.normalize().dot(area_light()) >= least {
             light
         } else {
             0.0
@@ -39,7 +39,7 @@ fn disc(degrees: f64, light: f32) -> impl Fn(DVec3) -> [f32; 3] + Sync {
     }
 }
 
-/// The lamps of the panels: a round one, a window of four panes, a strip, a dim sky.
+/// The area lights of the panels: a round one, a window of four panes, a strip, a dim sky.
 fn studio(d: DVec3) -> [f32; 3] {
     let [r, ..] = disc(18.0, 1.0)(d);
     let across = DVec3::new(-0.8, 0.35, 0.5).normalize();
@@ -101,19 +101,19 @@ fn shown(environment: Environment, mirrors: bool) -> Scene {
     let mut scene = scene(environment, mirrors);
     scene.color = ColorMode::Srgb;
     scene.background = [0.12, 0.13, 0.15, 1.0];
-    scene.lights = stage::daylight(0.15, [0.25; 3], (-lamp()).as_vec3().to_array());
+    scene.lights = stage::daylight(0.15, [0.25; 3], (-area_light()).as_vec3().to_array());
     scene.materials[0].phong.color = [0.25, 0.08, 0.07];
     // The highlights are those of the map alone.
     scene.materials[0].phong.ns = 1e6;
     scene
 }
 
-/// The light that the highlight of a round lamp gathers in its middle: one less cos^(n + 1) of half its angle.
+/// The light that the highlight of a round area light gathers in its middle: one less cos^(n + 1) of half its angle.
 fn in_the_middle(exponent: f32) -> Result<Claim, LabError> {
     let n = f64::from(exponent);
-    let map = gathered(&environment(disc(LAMP, 1.0))?, exponent)?;
-    let [found, ..] = map.radiance(lamp().as_vec3().to_array());
-    let (sin, cos) = sin_cos(LAMP.to_radians());
+    let map = gathered(&environment(disc(AREA_LIGHT, 1.0))?, exponent)?;
+    let [found, ..] = map.radiance(area_light().as_vec3().to_array());
+    let (sin, cos) = sin_cos(AREA_LIGHT.to_radians());
     // Weights of the lobe at the rim, and their slope.
     let scale = (n + 1.0) / std::f64::consts::TAU;
     let (weight, slope) = (scale * pow(cos, n), scale * n * pow(cos, n - 1.0) * sin);
@@ -123,7 +123,9 @@ fn in_the_middle(exponent: f32) -> Result<Claim, LabError> {
     let fine = 2.0 / f64::from(TEXELS);
     let rim = std::f64::consts::PI * sin * (fine * weight + 0.5 * coarse * coarse * slope);
     Ok(Claim::new(
-        format!("middle of an area light of {LAMP} degrees, exponent {exponent}: 1 - cos^(n + 1)"),
+        format!(
+            "middle of an area light of {AREA_LIGHT} degrees, exponent {exponent}: 1 - cos^(n + 1)"
+        ),
         f64::from(found),
         1.0 - pow(cos, n + 1.0),
         // The look-up is off by a hundredth of the range.
@@ -148,10 +150,10 @@ pub(super) fn specular_maps(size: u32) -> Result<DemoPicture, LabError> {
     let off_even = |i: usize| even.picture.rgba()[4 * i].abs_diff((EVEN * 255.0) as u8);
     let on_ball = (0..even.position.len()).filter(|&i| even.position[i].is_finite());
 
-    // A lamp so small that it is a point, as bright in its middle as the highlight of a light.
+    // An area light so small that it is a point, as bright in its middle as the highlight of a light.
     let small = environment(disc(POINT, 1.0))?;
     let peak = gathered(&small, SHARP)?;
-    let [peak, ..] = peak.radiance(lamp().as_vec3().to_array());
+    let [peak, ..] = peak.radiance(area_light().as_vec3().to_array());
     let small = environment(disc(POINT, 1.0 / peak))?;
     let map = gathered(&small, SHARP)?;
     let point = Lit::take(&scene(map, false), size)?;
@@ -160,7 +162,7 @@ pub(super) fn specular_maps(size: u32) -> Result<DemoPicture, LabError> {
     phong.materials[0].specular_map = None;
     phong.lights = vec![Light::Directional {
         color: [1.0; 3],
-        direction: (-lamp()).as_vec3().to_array(),
+        direction: (-area_light()).as_vec3().to_array(),
     }];
     let phong = Lit::take(&phong, size)?;
     // The mean of cos^n over a disc of radius a is off by n a^2 / 4 at most (its second derivatives are n each, the variance of a disc
