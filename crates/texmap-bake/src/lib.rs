@@ -39,4 +39,4 @@ pub use environment::{capture_environment, capture_environment_at, center_of};
 pub use ground_shadow::GroundShadow;
 pub use light_map::{BakeOptions, Baker, LightMap, bake};
 pub use moving_light::MovingLight;
-pub use planar_mirror::with_planar_mirror;
+pub use planar_mirror::{PlanarMirror, with_planar_mirrors};

@@ -1,39 +1,85 @@
 //! A flat mirror: the scene seen from behind it, laid over it by the pixels of the picture.
 
+use texmap_light::PhongMaterial;
 use texmap_math::MemoryBudget;
 use texmap_math::camera::{Camera, Lens};
 use texmap_math::glam::DVec3;
 use texmap_math::texture_frame::TextureFrame;
+use texmap_raster::DepthTest;
 use texmap_render::{Aov, AovData, RenderError, RenderSettings, no_progress, render};
 use texmap_sample::{
     Alpha, ColorSpace, Filter, Image, Origin, Sampler, TexelData, Texture2d, Wrap,
 };
-use texmap_scene::{Emission, Mesh, Scene, SceneError, TextureSlot, UvSet};
+use texmap_scene::{AlphaMode, Emission, Material, Mesh, Scene, SceneError, Shading, TextureSlot};
 
 /// Part of the size of a mesh by which its points may lie beside one plane.
 const FLAT: f64 = 1e-5;
 
-/// The scene with a mesh that mirrors the rest of it, for pictures of `width` x `height` pixels by its present camera: `share` of the mirrored
-/// light is added to the light of its surface, as light of its own.
+/// A flat mesh that mirrors the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanarMirror {
+    /// Index into [`Scene::meshes`].
+    pub mesh: usize,
+    /// Share of the mirrored light in what is seen, 0 to 1; the rest is the surface's own.
+    pub share: f32,
+}
+
+/// The scene with meshes that mirror it, for pictures of `width` x `height` pixels by its present camera.
 ///
-/// The camera is reflected in the plane of the mesh, whatever lies behind that is cut away, and the picture that it sees is a texture of the
-/// mesh over the pixels of the frame (projected reflection). It is exact in every pixel centre, has the picture's resolution, and shows
-/// other mirrors as surfaces without theirs. The mirror, and what is cut away, cast no
-/// shadow in it. A camera that moves needs it again.
+/// The camera is reflected in the plane of each mesh, whatever lies behind that is cut away, and the picture that it sees is a layer over the
+/// mesh, laid there by the pixels of the frame (projected reflection): `(1 - share) own + share mirrored`, whatever the surface's own
+/// textures and light are. It is exact in every pixel centre, has the picture's resolution, and shows
+/// other mirrors as surfaces without theirs. The mirror, and what is cut away, cast no shadow in it. A camera that moves needs it again.
+///
+/// Layers are meshes of their own before the first mesh that blends, and the scene's depth test lets the last of two surfaces at one depth be
+/// seen ([`DepthTest::LessOrEqual`]).
 ///
 /// # Errors
-/// [`SceneError::Index`] for a mesh that does not exist; [`SceneError::Value`] for one that is not flat, has an emission or textures of its own
+/// [`SceneError::Index`] for a mesh that does not exist; [`SceneError::Value`] for one that is not flat, not opaque, still to be tessellated,
 /// or has the camera in its plane, for a share beyond 0 to 1, and for a parallel projection; those of [`render`].
-pub fn with_planar_mirror(
+pub fn with_planar_mirrors(
     scene: &Scene,
-    mesh: usize,
-    share: f32,
+    mirrors: &[PlanarMirror],
     (width, height): (u32, u32),
 ) -> Result<Scene, RenderError> {
-    let own = scene.meshes.get(mesh).ok_or(SceneError::Index {
+    let mut out = scene.clone();
+    for mirror in mirrors {
+        let texture = mirrored_light(scene, mirror, (width, height))?;
+        out.textures.push(texture);
+        let layer = layer(scene, mirror, out.textures.len() - 1);
+        out.materials.push(layer);
+        let own = &scene.meshes[mirror.mesh];
+        let frame = of_picture(&scene.camera, (width, height))?;
+        let layer = Mesh {
+            name: format!("{}, mirrored", own.name),
+            material: out.materials.len() - 1,
+            texture_frame: Some(frame.transform(own.world_from_object.inverse())),
+            uv_projection: None,
+            uv_origin: Origin::TopLeft,
+            casts_no_shadow: true,
+            ..own.clone()
+        };
+        let blends = |mesh: &Mesh| out.materials[mesh.material].alpha == AlphaMode::Blend;
+        let before = scene.meshes.iter().position(blends);
+        let before = before.unwrap_or(scene.meshes.len());
+        out.meshes.insert(before, layer);
+    }
+    if !mirrors.is_empty() && out.depth_test == DepthTest::Less {
+        out.depth_test = DepthTest::LessOrEqual;
+    }
+    Ok(out)
+}
+
+/// The light that a mirror shows, a texel for each pixel, its columns from right to left.
+fn mirrored_light(
+    scene: &Scene,
+    mirror: &PlanarMirror,
+    (width, height): (u32, u32),
+) -> Result<Texture2d<'static>, RenderError> {
+    let own = scene.meshes.get(mirror.mesh).ok_or(SceneError::Index {
         place: "mirror".to_owned(),
         what: "mesh",
-        index: mesh as u64,
+        index: mirror.mesh as u64,
         count: scene.meshes.len(),
     })?;
     let refused = |what: &str, value: String, expected: &'static str| -> RenderError {
@@ -45,8 +91,9 @@ pub fn with_planar_mirror(
         }
         .into()
     };
-    if !(0.0..=1.0).contains(&share) {
-        return Err(refused("share", share.to_string(), "a share of 0 to 1"));
+    if !(0.0..=1.0).contains(&mirror.share) {
+        let share = mirror.share.to_string();
+        return Err(refused("share", share, "a share of 0 to 1"));
     }
     let camera = scene.camera;
     if camera.lens.parallel_width.is_some() {
@@ -60,12 +107,19 @@ pub fn with_planar_mirror(
         index: own.material as u64,
         count: scene.materials.len(),
     })?;
-    if material.emission.is_some() || material.reads_uv(UvSet::First) {
-        let expected =
-            "a surface without textures and emission: its coordinates are those of the picture";
+    if material.alpha != AlphaMode::Opaque {
+        let expected = "an opaque surface: its mirror covers all of it";
         return Err(refused(
             "material",
             format!("'{}'", material.name),
+            expected,
+        ));
+    }
+    if !own.is_tessellated() {
+        let expected = "triangles: texmap_mesh::tessellate makes them";
+        return Err(refused(
+            "shape",
+            "a displacement or billboards".to_owned(),
             expected,
         ));
     }
@@ -78,7 +132,7 @@ pub fn with_planar_mirror(
     })?;
     let mut behind = scene.clone();
     behind.camera = plane.mirrored(&camera);
-    behind.meshes.remove(mesh);
+    behind.meshes.remove(mirror.mesh);
     for mesh in &mut behind.meshes {
         *mesh = plane.before(mesh);
     }
@@ -109,30 +163,36 @@ pub fn with_planar_mirror(
         alpha: Alpha::Data,
         origin: Origin::TopLeft,
     });
-    let picture = picture.map_err(|e| refused("light", e.to_string(), "finite light"))?;
-    let mut out = scene.clone();
-    out.textures.push(picture);
-    let mut material = material.clone();
-    material.emission = Some(Emission {
-        color: [share; 3],
-        map: Some(TextureSlot {
-            sampler: Sampler {
-                filter: Filter::Bilinear,
-                wrap_u: Wrap::ClampToEdge,
-                wrap_v: Wrap::ClampToEdge,
-                ..Sampler::default()
-            },
-            ..TextureSlot::new(out.textures.len() - 1)
+    picture.map_err(|e| refused("light", e.to_string(), "finite light"))
+}
+
+/// A surface of mirrored light alone, blended by its share.
+fn layer(scene: &Scene, mirror: &PlanarMirror, texture: usize) -> Material {
+    let own = &scene.materials[scene.meshes[mirror.mesh].material];
+    Material {
+        name: format!("{}, mirrored", own.name),
+        phong: PhongMaterial {
+            color: [0.0; 3],
+            ..PhongMaterial::default()
+        },
+        shading: Shading::Unlit,
+        opacity: mirror.share,
+        alpha: AlphaMode::Blend,
+        cull: own.cull,
+        emission: Some(Emission {
+            color: [1.0; 3],
+            map: Some(TextureSlot {
+                sampler: Sampler {
+                    filter: Filter::Bilinear,
+                    wrap_u: Wrap::ClampToEdge,
+                    wrap_v: Wrap::ClampToEdge,
+                    ..Sampler::default()
+                },
+                ..TextureSlot::new(texture)
+            }),
         }),
-    });
-    out.materials.push(material);
-    let frame = of_picture(&camera, (width, height))?;
-    let mirror = &mut out.meshes[mesh];
-    mirror.material = out.materials.len() - 1;
-    mirror.texture_frame = Some(frame.transform(mirror.world_from_object.inverse()));
-    mirror.uv_projection = None;
-    mirror.uv_origin = Origin::TopLeft;
-    Ok(out)
+        ..Material::default()
+    }
 }
 
 /// The frame of the picture before the eye, its columns from right to left: those of the reflected camera.
@@ -151,6 +211,8 @@ fn of_picture(camera: &Camera, (width, height): (u32, u32)) -> Result<TextureFra
 struct Plane {
     point: DVec3,
     normal: DVec3,
+    /// Height up to which a point lies in the plane.
+    flat: f64,
 }
 
 impl Plane {
@@ -178,14 +240,16 @@ impl Plane {
         let point = world(largest[0]);
         let corners = || mesh.triangles.iter().flatten().map(|i| world(*i));
         let size = corners().map(|p| (p - point).length()).fold(0.0, f64::max);
-        let beside = corners().any(|p| (p - point).dot(normal).abs() > FLAT * size);
+        let flat = FLAT * size;
+        let beside = corners().any(|p| (p - point).dot(normal).abs() > flat);
         let height = (eye - point).dot(normal);
-        match (beside, height.abs() > FLAT * size) {
+        match (beside, height.abs() > flat) {
             (true, _) => Err("not flat"),
             (false, false) => Err("seen from the side"),
             (false, true) => Ok(Self {
                 point,
                 normal: normal * height.signum(),
+                flat,
             }),
         }
     }
@@ -210,7 +274,8 @@ impl Plane {
         }
     }
 
-    /// The part of a mesh before the mirror: triangles across the plane are cut.
+    /// The part of a mesh before the mirror: triangles across the plane are cut, and those in it left out, as the rest of a floor whose tile
+    /// is the mirror.
     fn before(&self, mesh: &Mesh) -> Mesh {
         let heights: Vec<f64> = mesh
             .positions
@@ -220,7 +285,7 @@ impl Plane {
                 self.height(mesh.world_from_object.transform_point3(p))
             })
             .collect();
-        if heights.iter().all(|h| *h >= 0.0) {
+        if heights.iter().all(|h| *h > self.flat) {
             return mesh.clone();
         }
         let mut out = Mesh {
@@ -231,10 +296,14 @@ impl Plane {
         };
         for (number, triangle) in mesh.triangles.iter().enumerate() {
             let face = mesh.face(number as u32);
+            let height = |i: &u32| heights.get(*i as usize).copied().unwrap_or(0.0);
+            if triangle.iter().all(|i| height(i) <= self.flat) {
+                continue;
+            }
             let mut corners: Vec<u32> = Vec::with_capacity(4);
             for (k, a) in triangle.iter().copied().enumerate() {
                 let b = triangle[(k + 1) % 3];
-                let [ha, hb] = [a, b].map(|i| heights.get(i as usize).copied().unwrap_or(0.0));
+                let [ha, hb] = [a, b].map(|i| height(&i));
                 if ha >= 0.0 {
                     corners.push(a);
                 }

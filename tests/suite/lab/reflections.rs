@@ -1,11 +1,14 @@
 //! Environments captured from a point of a scene, and mirrors that lead their rays to the walls of a box.
 
-use texmap_bake::{capture_environment, capture_environment_at, center_of, with_planar_mirror};
+use texmap_bake::{
+    PlanarMirror, capture_environment, capture_environment_at, center_of, with_planar_mirrors,
+};
 use texmap_light::{Environment, Light, ReflectionBox};
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
-use texmap_render::{RenderSettings, no_progress, render};
-use texmap_scene::{Emission, Material, Mesh, Reflection, Scene, Shading};
+use texmap_render::{Aov, AovData, Frame, RenderSettings, no_progress, render};
+use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, Texture2d};
+use texmap_scene::{Emission, Material, Mesh, Reflection, Scene, Shading, TextureSlot};
 use texmap_truth::{frame, frame_by_rays};
 
 const HALF: f32 = 2.0;
@@ -270,7 +273,8 @@ fn flat_mirrors_show_what_rays_meet() {
     };
     scene.meshes.extend([tilted, board]);
     let size = (96, 72);
-    let mirrored = with_planar_mirror(&scene, 6, 1.0, size).unwrap();
+    let whole = |mesh| [PlanarMirror { mesh, share: 1.0 }];
+    let mirrored = with_planar_mirrors(&scene, &whole(6), size).unwrap();
     assert!(
         mirrored
             .check()
@@ -309,16 +313,146 @@ fn flat_mirrors_show_what_rays_meet() {
         let mut scene = scene.clone();
         scene.materials[6] = black(None);
         scene.meshes[6].positions[2][0] += 0.3;
-        with_planar_mirror(&scene, 6, 1.0, size)
+        with_planar_mirrors(&scene, &whole(6), size)
             .unwrap_err()
             .to_string()
     };
     assert!(bent.contains("not flat"), "{bent}");
-    assert!(
-        with_planar_mirror(&scene, 0, 1.0, size)
+    let clear = {
+        let mut scene = scene.clone();
+        scene.materials[6].alpha = texmap_scene::AlphaMode::Blend;
+        with_planar_mirrors(&scene, &whole(6), size)
             .unwrap_err()
             .to_string()
-            .contains("emission")
+    };
+    assert!(clear.contains("opaque"), "{clear}");
+    assert!(with_planar_mirrors(&scene, &whole(9), size).is_err());
+}
+
+/// A mirror on a textured surface shows shares of its own colours and of what it mirrors, and the tiles of a floor mirror as one.
+#[test]
+fn textured_mirrors_mix_their_colours_with_what_they_mirror() {
+    const FLOOR: usize = 3;
+    const SHARE: f32 = 0.4;
+    let mut scene = room();
+    for material in &mut scene.materials {
+        if let Some(emission) = &mut material.emission {
+            emission.color = emission.color.map(|c| c.min(0.9));
+        }
+    }
+    let texels: Vec<u8> = (0..64u32)
+        .flat_map(|i| [40 + 3 * i as u8, 255 - 2 * i as u8, 90])
+        .collect();
+    scene.textures.push(
+        Texture2d::new(&Image {
+            width: 8,
+            height: 8,
+            channels: 3,
+            texels: TexelData::U8(&texels),
+            color: ColorSpace::Srgb,
+            alpha: Alpha::Data,
+            origin: Origin::TopLeft,
+        })
+        .unwrap(),
     );
-    assert!(with_planar_mirror(&scene, 9, 1.0, size).is_err());
+    scene.materials[FLOOR] = Material {
+        shading: Shading::Unlit,
+        base_color: Some(TextureSlot::new(0)),
+        ..Material::default()
+    };
+    scene.camera.eye = DVec3::new(-1.2, 0.3, 1.2);
+    scene.camera.look = DVec3::new(1.0, -1.4, 0.2);
+    scene.meshes.push(Mesh {
+        name: "board".into(),
+        material: 2,
+        ..Mesh::quad([
+            [0.2, -1.7, 0.1],
+            [1.2, -1.7, 0.3],
+            [1.2, -1.0, 0.3],
+            [0.2, -1.0, 0.1],
+        ])
+    });
+    let size = (96, 72);
+    let draw = |scene: &Scene, share: f32, meshes: &[usize]| {
+        let mirrors: Vec<_> = meshes
+            .iter()
+            .map(|mesh| PlanarMirror { mesh: *mesh, share })
+            .collect();
+        let scene = with_planar_mirrors(scene, &mirrors, size).unwrap();
+        let mut settings = RenderSettings::new(size.0, size.1);
+        settings.aovs.push(Aov::Mesh);
+        render(&scene, &settings, &no_progress).unwrap()
+    };
+    let none = draw(&scene, SHARE, &[]);
+    let own = draw(&scene, 0.0, &[FLOOR]);
+    assert_eq!(own.rgba, none.rgba);
+    let (all, some) = (draw(&scene, 1.0, &[FLOOR]), draw(&scene, SHARE, &[FLOOR]));
+    // The layer leaves no trace in the arrays of what is seen.
+    let AovData::U32(seen) = &some.aovs[0].2 else {
+        panic!("numbers of meshes")
+    };
+    assert!(none.aovs[0].2 == some.aovs[0].2);
+    let linear = |frame: &Frame, i: usize, k: usize| {
+        f64::from(texmap_math::color::srgb_to_linear(
+            f32::from(frame.rgba[4 * i + k]) / 255.0,
+        ))
+    };
+    let share = f64::from(SHARE);
+    let (mut pixels, mut added) = (0, 0);
+    for i in 0..seen.len() {
+        let on_floor = seen[i] == FLOOR as u32;
+        for k in 0..3 {
+            let (shown, a, b) = (linear(&some, i, k), linear(&own, i, k), linear(&all, i, k));
+            let off = |light: f64| {
+                let code = |x: f64| texmap_math::color::linear_to_srgb(x as f32) * 255.0;
+                (code(light.min(1.0)) - code(shown)).abs()
+            };
+            match on_floor {
+                // Each of the three frames is rounded to its codes.
+                true => assert!(off(a * (1.0 - share) + b * share) <= 1.5, "pixel {i}"),
+                false => assert_eq!(some.rgba[4 * i + k], none.rgba[4 * i + k]),
+            }
+            added += usize::from(on_floor && off(a + b * share) > 8.0);
+        }
+        pixels += usize::from(on_floor);
+    }
+    // Light that were added would be seen.
+    assert!(pixels > 1000 && added > pixels, "{added} of {pixels}");
+    let differs = |a: &Frame, b: &Frame| {
+        let pixels = a
+            .rgba
+            .as_chunks::<4>()
+            .0
+            .iter()
+            .zip(b.rgba.as_chunks::<4>().0);
+        pixels
+            .filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 2))
+            .count()
+    };
+    assert!(differs(&own, &all) > 800);
+
+    // Half of the floor is a mesh of its own, a little beside the plane by rounding.
+    let mut tiles = scene.clone();
+    let low = -HALF + 1e-6;
+    tiles.meshes[FLOOR] = Mesh {
+        material: FLOOR,
+        ..Mesh::quad([
+            [-HALF, -HALF, 0.0],
+            [HALF, -HALF, 0.0],
+            [HALF, -HALF, -HALF],
+            [-HALF, -HALF, -HALF],
+        ])
+    };
+    tiles.meshes.push(Mesh {
+        material: FLOOR,
+        ..Mesh::quad([
+            [-HALF, low, HALF],
+            [HALF, low, HALF],
+            [HALF, low, 0.0],
+            [-HALF, low, 0.0],
+        ])
+    });
+    let both = draw(&tiles, 1.0, &[FLOOR, tiles.meshes.len() - 1]);
+    let apart = differs(&both, &all);
+    assert!(apart <= 12, "{apart} pixels");
 }

@@ -2,13 +2,13 @@
 
 use std::str::FromStr;
 
-use texmap_bake::with_planar_mirror;
+use texmap_bake::{PlanarMirror, with_planar_mirrors};
 use texmap_scene::Scene;
 
 use crate::cmd::render::draw::Context;
 use crate::failure::Failure;
 
-/// A mesh by its name, and the share of light that it mirrors.
+/// A mesh by its name, and the share of mirrored light in what is seen.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MirrorArg {
     name: String,
@@ -41,46 +41,34 @@ impl FromStr for MirrorArg {
 impl Context<'_> {
     /// The scene with its mirrors for the present camera; `None` without any.
     pub(super) fn mirrored(&self, scene: &Scene) -> Result<Option<Scene>, Failure> {
-        let mut done: Option<Scene> = None;
+        if self.args.mirror.is_empty() {
+            return Ok(None);
+        }
+        let mut mirrors = Vec::new();
         for mirror in &self.args.mirror {
-            let mut named = scene.meshes.iter().enumerate();
-            let found = named.find(|(_, mesh)| mesh.name == mirror.name);
-            let Some((mesh, _)) = found else {
+            let named = scene.meshes.iter().enumerate();
+            let named = named.filter(|(_, mesh)| mesh.name == mirror.name);
+            let before = mirrors.len();
+            mirrors.extend(named.map(|(mesh, _)| PlanarMirror {
+                mesh,
+                share: mirror.share,
+            }));
+            if mirrors.len() == before {
                 let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
                 names.dedup();
                 return Err(Failure::usage(
                     format!("--mirror {}: no mesh of this name", mirror.name),
                     format!("choose from {}", names.join(", ")),
                 ));
-            };
-            // Two samples a pixel see between the pixels of a mirror of the picture's own size.
-            let n = self.args.supersample.unwrap_or(1);
-            let size = self.args.resolution;
-            let pixels = (size.width * n, size.height * n);
-            let one = with_planar_mirror(scene, mesh, mirror.share, pixels);
-            let one = one.map_err(|e| self.refused(e))?;
-            match &mut done {
-                None => done = Some(one),
-                Some(all) => adopt(all, one, mesh),
             }
         }
-        Ok(done)
+        // Two samples a pixel see between the pixels of a mirror of the picture's own size.
+        let n = self.args.supersample.unwrap_or(1);
+        let size = self.args.resolution;
+        let pixels = (size.width * n, size.height * n);
+        let mirrored = with_planar_mirrors(scene, &mirrors, pixels);
+        mirrored.map(Some).map_err(|e| self.refused(e))
     }
-}
-
-/// Takes a mirror over from a scene that has it alone.
-fn adopt(all: &mut Scene, mut one: Scene, mesh: usize) {
-    let (Some(picture), Some(mut material)) = (one.textures.pop(), one.materials.pop()) else {
-        return;
-    };
-    all.textures.push(picture);
-    if let Some(map) = material.emission.as_mut().and_then(|e| e.map.as_mut()) {
-        map.texture = all.textures.len() - 1;
-    }
-    all.materials.push(material);
-    let mut mirror = one.meshes.swap_remove(mesh);
-    mirror.material = all.materials.len() - 1;
-    all.meshes[mesh] = mirror;
 }
 
 #[cfg(test)]

@@ -79,8 +79,8 @@ pub(crate) struct RenderArgs {
     /// and of the edges of shadows; room.png gives room.heat.png. Exit code 1 where it is over a budget that the plan promised
     #[arg(long, conflicts_with_all = ["views", "supersample", "dry_run", "wireframe"])]
     verify: bool,
-    /// A flat mesh that mirrors the scene: its name, and the share of light that it mirrors (0 to 1). Several times for several; each shows the
-    /// others as they are without
+    /// A flat mesh that mirrors the scene: its name, and the share of mirrored light in what is seen (0 to 1; the rest is its own). Several
+    /// times for several; each shows the others as they are without
     #[arg(long, value_name = "NAME[=SHARE]", conflicts_with_all = ["verify", "compare", "max_error", "quality"])]
     mirror: Vec<MirrorArg>,
     /// Draw the picture with ray-traced mirrors too (slow; room.png gives room.rays.png) and tell the error of mapped reflections by the
