@@ -203,10 +203,14 @@ impl Context<'_> {
         let mut stage = Stage::new(&main)?;
         let names: Vec<&str> = self.args.aov.iter().map(|aov| aov.name.as_str()).collect();
         let picture = stage.add(main, store.format.ending());
-        // The hash takes as long as the compression of a picture.
+        // The hash takes as long as the compression of a picture: reports alone hold it.
         let alone = self.args.threads == Some(1);
         let (lost, hash) = std::thread::scope(|scope| {
-            let hash = || texmap_render::pixel_hash(frame);
+            let hash = || {
+                self.args
+                    .reports()
+                    .then(|| texmap_render::pixel_hash(frame))
+            };
             let beside = (!alone).then(|| scope.spawn(hash));
             let lost = store.write(&picture, frame, &names);
             let hashed = beside.and_then(|thread| thread.join().ok());
@@ -273,14 +277,14 @@ impl Context<'_> {
         &self,
         report: &mut ItemReport,
         (width, height): (u32, u32),
-        hash: String,
+        hash: Option<String>,
         times: TimesReport,
     ) {
         report.status = "ok";
         report.width = Some(width);
         report.height = Some(height);
         report.msaa = Some(self.msaa);
-        report.pixel_hash = Some(hash);
+        report.pixel_hash = hash;
         self.tell(report, &times);
         report.times_ms = Some(times);
     }

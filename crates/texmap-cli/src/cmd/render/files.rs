@@ -184,11 +184,10 @@ impl Context<'_> {
         write_animation(&stage.add(main, format.ending()), format, &animation)?;
         stage.commit()?;
         times.write = milliseconds(began.elapsed());
-        let whole = texmap_render::hash_pixels(
-            size.width,
-            size.height * shots.len() as u32,
-            &frames.concat(),
-        );
+        let whole = self.args.reports().then(|| {
+            let height = size.height * shots.len() as u32;
+            texmap_render::hash_pixels(size.width, height, &frames.concat())
+        });
         self.finish(&mut report, (size.width, size.height), whole, times);
         Ok(report)
     }

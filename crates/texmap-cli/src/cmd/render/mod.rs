@@ -199,6 +199,13 @@ Linear light:       texmap render room.scene --aov depth,normal -o room.exr
 Calibrated cameras: texmap render model.obj --cameras poses.json -o view-%02d.png
 One bad input does not stop the others; the exit code is then 3.";
 
+impl RenderArgs {
+    /// True if somebody reads the report.
+    fn reports(&self) -> bool {
+        self.json || observe::is_on()
+    }
+}
+
 pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
     let level = args.level.level()?;
     let files = args.root.files()?;
@@ -236,7 +243,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<Exit, Failure> {
         Some(first) if failures.len() == items.len() => first.exit,
         Some(_) => Exit::Partial,
     };
-    if args.json || observe::is_on() {
+    if args.reports() {
         failure::print_json(&Report::new(args, level, reports, exit))?;
     }
     Ok(exit)
