@@ -39,6 +39,7 @@ demos! {
     shadows "shadows",
     environments "environments",
     parallax "parallax",
+    planar_mirror "planar-mirror",
     best_chart "best-chart",
     specular_maps "specular-maps",
     rectification "rectification",

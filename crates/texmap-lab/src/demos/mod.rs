@@ -35,6 +35,7 @@ mod mapping;
 mod moving_spot;
 mod paint;
 mod parallax;
+mod planar_mirror;
 mod procedural_bump;
 mod projections;
 mod rectification;
@@ -64,7 +65,7 @@ pub const DEFAULT_SIZE: u32 = 384;
 
 type Draw = fn(u32) -> Result<DemoPicture, LabError>;
 
-const DEMOS: [(&str, &str, Draw); 28] = [
+const DEMOS: [(&str, &str, Draw); 29] = [
     (
         "affine-image",
         "a photo on cubes, screen-linear against perspective",
@@ -129,6 +130,11 @@ const DEMOS: [(&str, &str, Draw); 28] = [
         "parallax",
         "a mirror away from the point of capture: infinitely far, led to the walls of a box, by rays",
         parallax::parallax,
+    ),
+    (
+        "planar-mirror",
+        "a checkered floor as a planar mirror, by mirror rays and by an environment around its middle",
+        planar_mirror::planar_mirror,
     ),
     (
         "best-chart",
