@@ -250,27 +250,25 @@ where
         };
         let mut rest = out;
         for group in groups {
-            let (values, after) = rest.split_at_mut(group.len());
-            rest = after;
-            match group {
-                Values::Uv => values.copy_from_slice(&self.mesh.uvs[vertex]),
-                Values::Color => values.copy_from_slice(&tint),
-                Values::Lit => values.copy_from_slice(&terms.color(times(surface.color, tint))),
-                Values::Diffuse => values.copy_from_slice(&times(terms.diffuse, tint)),
-                Values::Highlight => values.copy_from_slice(&terms.highlight),
-                Values::Normal => values.copy_from_slice(&narrow((self.normal)(vertex))),
-                Values::Position => values.copy_from_slice(&narrow((self.point)(vertex))),
+            rest = match group {
+                Values::Uv => put(rest, self.mesh.uvs[vertex]),
+                Values::Color => put(rest, tint),
+                Values::Lit => put(rest, terms.color(times(surface.color, tint))),
+                Values::Diffuse => put(rest, times(terms.diffuse, tint)),
+                Values::Highlight => put(rest, terms.highlight),
+                Values::Normal => put(rest, narrow((self.normal)(vertex))),
+                Values::Position => put(rest, narrow((self.point)(vertex))),
                 Values::Tangent(_) => {
                     let of_corners = self.split.as_ref().map(|split| split.tangents[part]);
                     let tangent = of_corners
                         .or_else(|| self.mesh.tangents.get(vertex).copied())
                         .unwrap_or_default();
                     let (direction, sign) = (self.tangent)(tangent);
-                    values[..3].copy_from_slice(&narrow(direction));
-                    values[3] = sign as f32;
+                    let [x, y, z] = narrow(direction);
+                    put(rest, [x, y, z, sign as f32])
                 }
-                Values::LightMapUv => values.copy_from_slice(&self.mesh.lightmap_uvs[vertex]),
-            }
+                Values::LightMapUv => put(rest, self.mesh.lightmap_uvs[vertex]),
+            };
         }
     }
 
@@ -294,6 +292,17 @@ where
             }
         }
         terms
+    }
+}
+
+/// Writes a group and gives what is left: of a length that the compiler knows, which takes no call.
+fn put<const N: usize>(out: &mut [f32], values: [f32; N]) -> &mut [f32] {
+    match out.split_first_chunk_mut() {
+        Some((group, rest)) => {
+            *group = values;
+            rest
+        }
+        None => &mut [],
     }
 }
 

@@ -1,5 +1,7 @@
 //! Typed arrays in the buffers of a document, checked before the first value is read.
 
+use rayon::prelude::*;
+
 use super::json;
 use super::model::Model;
 use crate::IoError;
@@ -185,9 +187,10 @@ impl<'m> Model<'m> {
         let values = part(&sparse.values, size, &format!("{at}/sparse/values"))?;
         self.ask(4 * changed as u64, at)?;
         let indices = match bytes {
-            Some(bytes) => whole_numbers(bytes, component.size(), changed, component),
+            Some(bytes) => whole_numbers::<1>(bytes, component.size(), changed, component),
             None => Vec::new(),
         };
+        let indices = indices.into_flattened();
         let rising = indices.windows(2).all(|w| w[0] < w[1]);
         match indices.last() {
             Some(last) if *last as usize >= count || !rising => Err(self.broken(
@@ -240,7 +243,8 @@ impl Accessor<'_> {
                 values[*index as usize] = value;
             }
         }
-        match values.iter().position(|v| v.iter().any(|x| !x.is_finite())) {
+        let all = values.par_iter().with_min_len(GRAIN);
+        match all.position_first(|v| v.iter().any(|x| !x.is_finite())) {
             Some(i) => Err(self
                 .model
                 .broken(&self.pointer, format!("element {i} is not finite"))),
@@ -271,8 +275,8 @@ impl Accessor<'_> {
         }
     }
 
-    /// Whole numbers of one component each.
-    pub(super) fn indices(&self) -> Result<Vec<u32>, IoError> {
+    /// Whole numbers of one component each, in groups of `N`; those beyond whole groups are left out.
+    pub(super) fn indices<const N: usize>(&self) -> Result<Vec<[u32; N]>, IoError> {
         let whole = matches!(
             self.component,
             Component::U8 | Component::U16 | Component::U32
@@ -284,36 +288,50 @@ impl Accessor<'_> {
         self.model.ask(4 * self.count as u64, &self.pointer)?;
         Ok(match self.bytes {
             Some(bytes) => whole_numbers(bytes, self.stride, self.count, self.component),
-            None => vec![0; self.count],
+            None => vec![[0; N]; self.count / N],
         })
     }
 }
+
+/// Elements that a thread takes at least.
+const GRAIN: usize = 1 << 14;
 
 /// Elements of `N` components of `S` bytes each; the last one ends with `bytes`.
 fn numbers<const N: usize, const S: usize>(
     bytes: &[u8],
     stride: usize,
     count: usize,
-    read: impl Fn([u8; S]) -> f32,
+    read: impl Fn([u8; S]) -> f32 + Sync,
 ) -> Vec<[f32; N]> {
     let element = |i: usize| {
         let element = &bytes[i * stride..][..N * S];
         std::array::from_fn(|n| read(std::array::from_fn(|b| element[n * S + b])))
     };
-    (0..count).map(element).collect()
+    let all = (0..count).into_par_iter().with_min_len(GRAIN);
+    all.map(element).collect()
 }
 
-fn whole_numbers(bytes: &[u8], stride: usize, count: usize, component: Component) -> Vec<u32> {
+fn whole_numbers<const N: usize>(
+    bytes: &[u8],
+    stride: usize,
+    count: usize,
+    component: Component,
+) -> Vec<[u32; N]> {
+    fn groups<const N: usize>(count: usize, number: impl Fn(usize) -> u32 + Sync) -> Vec<[u32; N]> {
+        let all = (0..count / N).into_par_iter().with_min_len(GRAIN);
+        all.map(|i| std::array::from_fn(|n| number(i * N + n)))
+            .collect()
+    }
     let at = |i: usize| &bytes[i * stride..];
     match component {
-        Component::U16 => (0..count)
-            .map(at)
-            .map(|b| u16::from_le_bytes([b[0], b[1]]).into())
-            .collect(),
-        Component::U32 => (0..count)
-            .map(at)
-            .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-            .collect(),
-        _ => (0..count).map(at).map(|b| b[0].into()).collect(),
+        Component::U16 => groups(count, |i| {
+            let b = at(i);
+            u16::from_le_bytes([b[0], b[1]]).into()
+        }),
+        Component::U32 => groups(count, |i| {
+            let b = at(i);
+            u32::from_le_bytes([b[0], b[1], b[2], b[3]])
+        }),
+        _ => groups(count, |i| at(i)[0].into()),
     }
 }

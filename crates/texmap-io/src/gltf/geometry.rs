@@ -310,8 +310,8 @@ impl Geometry {
                 .to_array(); 3]
         });
         self.normals = normals.collect::<Vec<_>>().into_flattened();
-        let numbered = (0..self.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-        self.triangles = numbered.collect();
+        let numbered = (0..self.triangles.len() as u32).into_par_iter();
+        self.triangles = numbered.map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     }
 }
 

@@ -1,5 +1,7 @@
 //! Lists, strips and fans of indices to triangles.
 
+use rayon::prelude::*;
+
 use super::json::Primitive;
 use super::model::Model;
 use crate::IoError;
@@ -20,33 +22,60 @@ pub(super) fn triangles(
     vertices: usize,
     at: &str,
 ) -> Result<Vec<[u32; 3]>, IoError> {
-    let indices = match primitive.indices {
-        None => None,
-        Some(index) => Some(model.accessor(index, &format!("{at}/indices"))?.indices()?),
+    let corners = Corners {
+        model,
+        primitive,
+        vertices,
+        at,
     };
-    if let Some(bad) = indices
-        .iter()
-        .flatten()
-        .position(|i| *i as usize >= vertices)
-    {
-        let index = indices
-            .iter()
-            .flatten()
-            .nth(bad)
-            .copied()
-            .unwrap_or_default();
-        let problem = format!("index {bad} names vertex {index}; there are {vertices}");
-        return Err(model.broken(&format!("{at}/indices"), problem));
-    }
-    let count = indices.as_ref().map_or(vertices, Vec::len);
-    model.ask(12 * count as u64, at)?;
-    let all = indices.unwrap_or_else(|| (0..vertices as u32).collect());
     Ok(match primitive.mode {
-        5 => strip(&all),
-        6 => fan(&all),
-        _ => all.as_chunks::<3>().0.to_vec(),
+        5 => strip(corners.read::<1>()?.as_flattened()),
+        6 => fan(corners.read::<1>()?.as_flattened()),
+        _ => corners.read::<3>()?,
     })
 }
+
+/// The corners of a primitive, in the order of the file.
+struct Corners<'p> {
+    model: &'p Model<'p>,
+    primitive: &'p Primitive,
+    vertices: usize,
+    at: &'p str,
+}
+
+impl Corners<'_> {
+    /// In groups of `N`, all of them below the number of vertices.
+    fn read<const N: usize>(&self) -> Result<Vec<[u32; N]>, IoError> {
+        let Self { model, at, .. } = self;
+        let Some(index) = self.primitive.indices else {
+            model.ask(12 * self.vertices as u64, at)?;
+            let first = (0..(self.vertices / N) as u32).into_par_iter();
+            let group = |i: u32| std::array::from_fn(|n| i * N as u32 + n as u32);
+            return Ok(first.map(group).collect());
+        };
+        let accessor = model.accessor(index, &format!("{at}/indices"))?;
+        model.ask(12 * accessor.count as u64, at)?;
+        let groups = accessor.indices::<N>()?;
+        let all = groups.as_flattened();
+        let bad = all
+            .par_iter()
+            .with_min_len(GRAIN)
+            .position_first(|i| *i as usize >= self.vertices);
+        match bad {
+            None => Ok(groups),
+            Some(bad) => {
+                let problem = format!(
+                    "index {bad} names vertex {}; there are {}",
+                    all[bad], self.vertices
+                );
+                Err(model.broken(&format!("{at}/indices"), problem))
+            }
+        }
+    }
+}
+
+/// Indices that a thread takes at least.
+const GRAIN: usize = 1 << 16;
 
 /// Each further corner makes a triangle with the two before it; every second one is turned. Those that repeat a corner only join parts.
 fn strip(all: &[u32]) -> Vec<[u32; 3]> {
