@@ -12,7 +12,7 @@ use texmap_scene::SceneError;
 
 use texmap_light::{EnvironmentLight, Light};
 use texmap_math::glam::DMat4;
-use texmap_raster::{AlphaTest, DrawCall, Fragment, UvBlock};
+use texmap_raster::DrawCall;
 use texmap_sample::Origin;
 
 use crate::frame_resources::FrameResources;
@@ -26,7 +26,7 @@ use texmap_shade::sky::{Sky, SkyStage};
 use texmap_shade::unlit::UnlitColor;
 use texmap_shade::volume::VolumeStage;
 
-pub(crate) use alpha_test::{AlphaTestStage, alpha_test};
+pub(crate) use alpha_test::{AlphaTestStage, BoundAlphaTests, alpha_test, bound};
 pub(crate) use shader::Shader;
 use space::{behind, far_sides};
 use surface::surface;
@@ -42,24 +42,6 @@ pub(crate) struct Plan<'s> {
     pub(crate) eye: [f32; 3],
     pub(crate) rays: EyeRays,
     pub(crate) level: texmap_math::Level,
-}
-
-impl AlphaTest for Plan<'_> {
-    fn keep(&self, draw: u32, _triangle: u32, fragment: &Fragment) -> bool {
-        self.surfaces[draw as usize].kept(fragment)
-    }
-
-    fn keep_by_uv(&self, draw: u32, at: &UvBlock, asked: u16) -> Option<u16> {
-        let surface = &self.surfaces[draw as usize];
-        if !matches!(surface.uv, Coordinates::Vertices) || surface.cut_by_second() {
-            return None;
-        }
-        let Some(cut) = surface.cut else {
-            return Some(asked);
-        };
-        let maps = [&surface.base_color, &surface.opacity_map].map(Option::as_ref);
-        Some(cut.keeps_block(self.level, at, maps, surface.material.opacity))
-    }
 }
 
 impl<'s> Plan<'s> {

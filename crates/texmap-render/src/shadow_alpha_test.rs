@@ -3,7 +3,7 @@
 use texmap_math::{Level, narrow, wide};
 use texmap_raster::{AlphaTest, Fragment, UvBlock};
 
-use crate::plan::{AlphaTestStage, alpha_test};
+use crate::plan::{AlphaTestStage, alpha_test, bound};
 use crate::textures::Chains;
 use crate::{RenderError, RenderSettings};
 use texmap_scene::{AlphaMode, Mesh, Scene, UvSet};
@@ -80,7 +80,8 @@ impl AlphaTest for AlphaTests<'_> {
         if !matches!(c.uv, Coordinates::Vertices) {
             return None;
         }
-        let maps = [&c.base_color, &c.opacity_map].map(Option::as_ref);
+        let maps = [&c.base_color, &c.opacity_map].map(|map| bound(map.as_ref()));
+        let maps = maps.each_ref().map(Option::as_ref);
         Some(c.cut.keeps_block(self.level, at, maps, c.opacity))
     }
 }

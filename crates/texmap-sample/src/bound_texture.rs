@@ -2,7 +2,7 @@
 
 use crate::{
     address::{
-        lod::LodRange,
+        lod::{LodRange, TexelFootprint, is_magnified},
         wrap::{Axis, REACH, Wrap},
     },
     blocks::BlockView,
@@ -14,7 +14,10 @@ use crate::{
     texel_data::{Chain, Format, Level},
     texture::Texture2d,
 };
-use texmap_math::{lanes::GatherTable, simd::Isa};
+use texmap_math::{
+    lanes::GatherTable,
+    simd::{Isa, Scalar},
+};
 
 /// One word a texel, for the kernels that read it whole.
 pub const RGBA8: u8 = 0;
@@ -197,6 +200,12 @@ impl<'a> BoundTexture<'a> {
         self.border = sampler.border_in(self.chain.format.units());
         self.border_word = rgba8::border(sampler.border);
         self
+    }
+
+    /// True if a look-up whose u and v change by no more than this to the right and down reads level 0 alone, whatever filter
+    /// without probes has chosen a level for it.
+    pub fn is_magnified_by(&self, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
+        is_magnified(self, &TexelFootprint::new(Scalar, self, ux, vx, uy, vy))
     }
 
     /// Columns and rows of level 0.

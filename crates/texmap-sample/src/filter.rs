@@ -105,10 +105,12 @@ pub(crate) struct LookUp<I: Isa> {
 }
 
 impl<I: Isa> LookUp<I> {
-    /// The limited level of detail.
+    /// The limited level of detail; 0 for levels below it where all lanes are magnified, as every filter takes them.
     #[inline(always)]
     pub(crate) fn lod(&self, i: I, view: &BoundTexture<'_>) -> I::F32 {
         match &self.footprint {
+            // Most of a near surface: the logarithm costs more than its texels.
+            Some(d) if lod::is_magnified(view, d) => i.f32(0.0),
             Some(d) => lod::lod(i, view, d),
             None => i.f32(self.flat),
         }

@@ -387,6 +387,43 @@ fn magnifies<I: ByteIsa>(
     i.first(packed::lod_lanes(i, view, &footprint)) <= 0
 }
 
+/// True if each block of a batch lies on one triangle, and all of these surely read level 0 of a texture alone.
+pub(crate) fn is_near(
+    level: Level,
+    view: &BoundTexture<'_>,
+    pixels: &Pixels<'_>,
+    batch: &[FragmentBlock],
+) -> bool {
+    let Pixels::Blocks(planes, blocks) = pixels else {
+        return false;
+    };
+    dispatch_simd!(level, wide i => all_near(i, view, planes, blocks, batch))
+}
+
+#[inline(always)]
+fn all_near<I: ByteIsa>(
+    i: I,
+    view: &BoundTexture<'_>,
+    planes: &AttributePlanes,
+    blocks: &TileVisibility,
+    batch: &[FragmentBlock],
+) -> bool {
+    let mut last = NO_PRIMITIVE;
+    for at in batch {
+        let Some(slot) = planes.single_primitive(i, blocks, *at) else {
+            return false;
+        };
+        if slot != last {
+            last = slot;
+            match planes.max_gradient(slot, [0, 1]) {
+                Some([u, v]) if view.is_magnified_by(u, v) => {}
+                _ => return false,
+            }
+        }
+    }
+    true
+}
+
 /// Nearest texels, from the coordinates in registers.
 struct Nearest<'v, I: ByteIsa, F> {
     texels: packed::PowerOfTwoTexture<'v, I>,

@@ -3,13 +3,13 @@
 use texmap_math::Level;
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_raster::{BATCH_STRIDE, FragmentBlock, Varyings};
-use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
-use texmap_sample::{is_exact_in_rgba8, sample_rgba8_soa};
+use texmap_sample::lanes::{BoundTexture, Kernel, sample_bound_soa};
+use texmap_sample::{Filter, Sampler, is_exact_in_rgba8, sample_rgba8_soa};
 
 use crate::Slot;
 use crate::batch::{Colors, LANES, straight};
 use crate::fetch::pixel_samples;
-use crate::texels::{Pixels, TexelAddresses, packed_view, read_texels};
+use crate::texels::{Pixels, TexelAddresses, is_near, packed_view, read_texels};
 use texmap_scene::{AlphaMode, ColorMode, Material, TextureRole};
 
 /// The conversion of a texel to the color of an unlit surface.
@@ -100,6 +100,8 @@ pub struct Unlit<'a> {
     slot: Option<&'a Slot<'a>>,
     /// The texture, bound, if texels are read channel by channel.
     bound: Option<BoundTexture<'a>>,
+    /// The filter of near triangles, which read level 0 alone, where another one finds a level for each pixel.
+    near: Option<(Sampler, BoundTexture<'a>)>,
     /// The texture, bound, if texels are read as packed words.
     view: Option<BoundTexture<'a>>,
     /// Its encoded texels, bound, if they are the pixels of the surface.
@@ -112,10 +114,21 @@ impl<'a> Unlit<'a> {
         let plain = slot.filter(|slot| !slot.is_transformed());
         let codes = plain.filter(|_| color.shows_texels());
         let packed = plain.filter(|_| color.bytes);
+        let bound = slot.and_then(|slot| BoundTexture::new(&slot.sampler, &slot.texture));
+        let trilinear = |view: &BoundTexture<'_>| view.kind == Kernel::Trilinear;
+        let near = plain.filter(|_| bound.as_ref().is_some_and(trilinear));
         Self {
             color,
             slot,
-            bound: slot.and_then(|slot| BoundTexture::new(&slot.sampler, &slot.texture)),
+            bound,
+            near: near.and_then(|slot| {
+                let sampler = Sampler {
+                    filter: Filter::Bilinear,
+                    ..(*slot.sampler).clone()
+                };
+                let view = BoundTexture::new(&sampler, &slot.texture)?;
+                Some((sampler, view))
+            }),
             view: packed.and_then(|slot| packed_view(&slot.sampler, &slot.texture)),
             codes: codes.and_then(|slot| packed_view(&slot.sampler, slot.codes.as_ref()?)),
         }
@@ -159,7 +172,7 @@ impl<'a> Unlit<'a> {
             return read_texels(level, view, pixels, batch, &mut scratch.addresses, out);
         }
         let Some(slot) = self.slot else { return };
-        let count = scratch.read_uv(level, slot, pixels, batch);
+        let count = scratch.read_uv(level, slot, pixels, batch, slot.reads_derivatives());
         let at = pixel_samples(slot, &scratch.values, count);
         let out = &mut out[..count];
         sample_rgba8_soa(level, &slot.sampler, &slot.texture, &at, out)
@@ -177,13 +190,15 @@ impl<'a> Unlit<'a> {
     ) {
         match (self.slot, &self.bound) {
             (Some(slot), Some(view)) => {
-                let count = scratch.read_uv(level, slot, pixels, batch);
-                let (at, columns) = (
-                    pixel_samples(slot, &scratch.values, count),
-                    out.columns_mut(count),
-                );
-                sample_bound_soa(level, (&slot.sampler, view), &at, columns)
-                    .expect("the columns have one length");
+                let near = self.near.as_ref();
+                let near = near.filter(|_| is_near(level, view, pixels, batch));
+                let derivatives = near.is_none() && slot.reads_derivatives();
+                let count = scratch.read_uv(level, slot, pixels, batch, derivatives);
+                let mut at = pixel_samples(slot, &scratch.values, count);
+                at.gradients = at.gradients.filter(|_| derivatives);
+                let columns = out.columns_mut(count);
+                let bound = near.map_or((&*slot.sampler, view), |(sampler, view)| (sampler, view));
+                sample_bound_soa(level, bound, &at, columns).expect("the columns have one length");
             }
             _ => {
                 let columns = out.columns_mut(batch.len() * LANES);
@@ -209,14 +224,14 @@ impl UnlitScratch {
         slot: &Slot<'_>,
         pixels: &Pixels<'_>,
         batch: &[FragmentBlock],
+        derivatives: bool,
     ) -> usize {
         let count = batch.len() * LANES;
         let Pixels::Blocks(planes, blocks) = pixels else {
             debug_assert!(false, "scattered pixels are read by views");
             return count;
         };
-        let (wanted, derivatives) = ([0, 1], slot.reads_derivatives());
-        planes.values(level, blocks, batch, &wanted, derivatives, &mut self.values);
+        planes.values(level, blocks, batch, &[0, 1], derivatives, &mut self.values);
         slot.place_columns(&mut self.values, count);
         count
     }

@@ -1,12 +1,63 @@
 //! Alpha tests of cut-out pixels.
 
 use texmap_math::{Footprint, Level};
-use texmap_raster::UvBlock;
-use texmap_sample::{Filter, Places, sample_soa};
+use texmap_raster::{AlphaTest, Fragment, UvBlock};
+use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
+use texmap_sample::{Filter, Places};
 
+use super::Plan;
 use texmap_scene::{AlphaMode, Material};
 use texmap_shade::Slot;
 use texmap_shade::batch::LANES;
+use texmap_shade::coordinates::Coordinates;
+
+/// The alpha tests of the surfaces of a plan.
+pub(crate) struct BoundAlphaTests<'a> {
+    plan: &'a Plan<'a>,
+    /// The maps of each surface that is cut out and lies in the first set of coordinates.
+    maps: Vec<Option<Box<[Option<BoundMap<'a>>; 2]>>>,
+}
+
+/// A map of an alpha test, and its texture.
+pub(crate) type BoundMap<'a> = (&'a Slot<'a>, BoundTexture<'a>);
+
+/// A map and its texture as the test of a block reads them.
+pub(crate) fn bound<'a>(slot: Option<&'a Slot<'a>>) -> Option<BoundMap<'a>> {
+    let slot = slot?;
+    Some((slot, BoundTexture::new(&slot.sampler, &slot.texture)?))
+}
+
+impl<'a> BoundAlphaTests<'a> {
+    pub(crate) fn new(plan: &'a Plan<'a>) -> Self {
+        let maps = plan.surfaces.iter().map(|surface| {
+            let by_uv = matches!(surface.uv, Coordinates::Vertices) && !surface.cut_by_second();
+            (by_uv && surface.cut.is_some()).then(|| {
+                let maps = [&surface.base_color, &surface.opacity_map];
+                Box::new(maps.map(|map| bound(map.as_ref())))
+            })
+        });
+        Self {
+            plan,
+            maps: maps.collect(),
+        }
+    }
+}
+
+impl AlphaTest for BoundAlphaTests<'_> {
+    fn keep(&self, draw: u32, _triangle: u32, fragment: &Fragment) -> bool {
+        self.plan.surfaces[draw as usize].kept(fragment)
+    }
+
+    fn keep_by_uv(&self, draw: u32, at: &UvBlock, asked: u16) -> Option<u16> {
+        let surface = &self.plan.surfaces[draw as usize];
+        let Some(cut) = surface.cut else {
+            return Some(asked);
+        };
+        let maps = self.maps[draw as usize].as_deref()?;
+        let maps = maps.each_ref().map(Option::as_ref);
+        Some(cut.keeps_block(self.plan.level, at, maps, surface.material.opacity))
+    }
+}
 
 /// Alpha of which a cut-out pixel is kept.
 #[derive(Clone, Copy)]
@@ -34,12 +85,12 @@ impl AlphaTestStage {
         self,
         level: Level,
         at: &UvBlock,
-        [base_color, opacity_map]: [Option<&Slot<'_>>; 2],
+        [base_color, opacity_map]: [Option<&BoundMap<'_>>; 2],
         opacity: f32,
     ) -> u16 {
-        let texel = base_color.map_or([1.0; LANES], |slot| texels(level, slot, at)[3]);
-        let mask = opacity_map.map_or([1.0; LANES], |slot| {
-            texels(level, slot, at)[slot.opacity_channel()]
+        let texel = base_color.map_or([1.0; LANES], |map| texels(level, map, at)[3]);
+        let mask = opacity_map.map_or([1.0; LANES], |map| {
+            texels(level, map, at)[map.0.opacity_channel()]
         });
         (0..LANES).fold(0, |bits, i| {
             bits | u16::from(self.passes(texel[i] * mask[i] * opacity)) << i
@@ -55,7 +106,7 @@ impl AlphaTestStage {
 }
 
 /// Sixteen texels, channel by channel.
-fn texels(level: Level, slot: &Slot<'_>, at: &UvBlock) -> [[f32; LANES]; 4] {
+fn texels(level: Level, (slot, view): &BoundMap<'_>, at: &UvBlock) -> [[f32; LANES]; 4] {
     let placed = slot.is_transformed().then(|| placed(slot, at));
     let UvBlock { value, ddx, ddy } = placed.as_ref().unwrap_or(at);
     let at = Places {
@@ -67,7 +118,7 @@ fn texels(level: Level, slot: &Slot<'_>, at: &UvBlock) -> [[f32; LANES]; 4] {
     };
     let mut out = [[0.0; LANES]; 4];
     let columns = out.each_mut().map(|c| &mut c[..]);
-    sample_soa(level, &slot.sampler, &slot.texture, &at, columns)
+    sample_bound_soa(level, (&slot.sampler, view), &at, columns)
         .expect("the columns have one length");
     out
 }

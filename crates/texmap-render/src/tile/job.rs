@@ -8,7 +8,7 @@ use texmap_raster::{BinnedDraws, TILE, block_index};
 
 use super::supersample::Sums;
 use super::{Context, Painter, is_whole};
-use crate::plan::{Plan, Shader};
+use crate::plan::{BoundAlphaTests, Plan, Shader};
 use crate::resolve::copy::fill_rows;
 use crate::resolve::encode::encode;
 use crate::resolve::rows::AovRows;
@@ -97,6 +97,7 @@ impl<'a> Job<'a> {
                 plan,
                 shaders: shaders.collect(),
                 prepared,
+                alpha: BoundAlphaTests::new(plan),
                 mode: scene.color,
                 background: [light(r) * a, light(g) * a, light(b) * a, a],
                 samples,

@@ -12,7 +12,7 @@ use texmap_raster::{
 };
 
 use crate::Aov;
-use crate::plan::{Plan, Shader};
+use crate::plan::{BoundAlphaTests, Plan, Shader};
 use crate::resolve::aov::write_batch;
 use crate::resolve::copy::{put_block_rows, put_pixels_rows, rows_fit};
 use crate::resolve::encode::encode;
@@ -48,6 +48,7 @@ pub(crate) struct Context<'a> {
     /// The stages of each draw, and its encoded color where it is unlit and has no texture.
     pub(crate) shaders: Vec<(Shader<'a>, u32)>,
     pub(crate) prepared: &'a BinnedDraws<'a>,
+    pub(crate) alpha: BoundAlphaTests<'a>,
     pub(crate) mode: ColorMode,
     /// Linear (or raw), premultiplied.
     pub(crate) background: [f32; 4],
@@ -117,7 +118,9 @@ impl Painter {
         let blocks = &mut self.samples[0].blocks;
         self.alone = brief && context.prepared.covering_primitive(tile, blocks);
         if !self.alone {
-            context.prepared.visible_blocks(tile, context.plan, blocks);
+            context
+                .prepared
+                .visible_blocks(tile, &context.alpha, blocks);
         }
         context.prepared.planes(tile, &mut self.shader.planes);
         self.covered.copy_from_slice(&blocks.masks);

@@ -43,7 +43,7 @@ impl Painter {
         let (shared, samples) = (&mut self.shared, positions.into_iter().zip(blocks));
         context
             .prepared
-            .visible_samples(tile, context.plan, shared, samples);
+            .visible_samples(tile, &context.alpha, shared, samples);
         self.find_reuse(level);
         self.covered.fill(0);
         if !as_light && self.paint_words(context) {

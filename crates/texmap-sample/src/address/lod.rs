@@ -110,6 +110,15 @@ pub fn lod<I: Isa>(i: I, view: &BoundTexture<'_>, d: &TexelFootprint<I>) -> I::F
     view.lod_range.limit(i, lod)
 }
 
+/// A squared length that is below 1 by more than the errors of both logarithms.
+const SURELY_MAGNIFIED: f32 = 0.99;
+
+/// True if [`lod`] is surely 0 or less in all lanes.
+#[inline(always)]
+pub(crate) fn is_magnified<I: Isa>(view: &BoundTexture<'_>, d: &TexelFootprint<I>) -> bool {
+    view.plain_lod && d.rho_max_squared().simd_lt(SURELY_MAGNIFIED).all_true()
+}
+
 /// Below 2^-100 the logarithm stops: such a footprint is magnified by any measure.
 const TINY: f32 = 7.888_609e-31;
 
@@ -160,6 +169,8 @@ mod tests {
             x *= 1.01;
         }
         assert_eq!(log2(Scalar, 8.0), 3.0);
+        assert!(log2(Scalar, SURELY_MAGNIFIED) < 0.0);
+        assert!(log2_sqrt_fixed(Scalar, SURELY_MAGNIFIED).0 < 0);
         assert!(log2(Scalar, f32::NAN) < -99.0 && log2(Scalar, 0.0) < -99.0);
     }
 }
