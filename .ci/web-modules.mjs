@@ -32,7 +32,7 @@ for (const name of wanted.length ? wanted : ['simd', 'plain']) {
     try { compare(key, JSON.parse(lab.ask(text)).panels.map(({ hash }) => hash)); } catch (error) { faults++; console.error(`web: ${name}: ${key}: ${error}`); }
   }
   hold(walk);
-  compare('doom', [lab.room().play(640, 400, 0)]);
+  compare('doom', [[640, 400], [1280, 720]].map(([width, height]) => lab.room().play(width, height, 0)));
   console.log(`web: ${name}: ${Object.keys(requests).length + 1} requests without a browser, ${((performance.now() - began) / 1000).toFixed(1)} s`);
 }
 process.exitCode = faults ? 1 : 0;
