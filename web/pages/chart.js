@@ -17,7 +17,7 @@ const PANELS = {
 };
 const choice = make('select', { id: 'panel', 'data-control': 'panel' }, make('option', { value: 'filters' }, 'filters on a tilted plane'), make('option', { value: 'interpolation' }, 'interpolation of a quad'));
 const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-for (const [name, value] of [['viewBox', '0 0 560 340'], ['width', '100%'], ['role', 'img'], ['aria-label', 'Time against error']]) svg.setAttribute(name, value);
+for (const [name, value] of [['width', '100%'], ['role', 'img'], ['aria-label', 'Time against error']]) svg.setAttribute(name, value);
 const canvas = make('canvas', { role: 'img', 'aria-label': 'picture of the chosen method' });
 const caption = make('figcaption', {});
 const table = make('table', {});
@@ -64,15 +64,18 @@ const shape = (tag, attributes, text = '') => {
 };
 
 function plot(points, panel) {
+  // Narrow pages have a narrow chart: a small one of a wide chart could not be read.
+  const wide = Math.max(320, Math.min(560, svg.clientWidth));
+  svg.setAttribute('viewBox', `0 0 ${wide} 340`);
   const least = Math.max(1e-4, Math.min(...points.filter((p) => p.error > 0).map((p) => p.error)) / 2);
   const log = (p) => Math.log10(Math.max(p.error, least));
   const most = { ms: Math.max(...points.map((p) => p.ms)) * 1.15, error: Math.max(...points.map(log)) + 0.1 };
   const low = Math.log10(least) - 0.1;
-  const at = (p) => [60 + 470 * p.ms / most.ms, 300 - 270 * (log(p) - low) / Math.max(0.2, most.error - low)];
-  const axis = [shape('path', { d: 'M60 20V300H545', fill: 'none', class: 'axis' }), shape('text', { x: 60, y: 330 }, '0'), shape('text', { x: 540, y: 330, 'text-anchor': 'end' }, `${number(most.ms / 1.15)} ms a frame →`), shape('text', { x: 4, y: 13 }, `${panel.error} (log), ${points[0].unit}`)];
+  const at = (p) => [60 + (wide - 90) * p.ms / most.ms, 300 - 270 * (log(p) - low) / Math.max(0.2, most.error - low)];
+  const axis = [shape('path', { d: `M60 20V300H${wide - 15}`, fill: 'none', class: 'axis' }), shape('text', { x: 60, y: 330 }, '0'), shape('text', { x: wide - 20, y: 330, 'text-anchor': 'end' }, `${number(most.ms / 1.15)} ms a frame →`), shape('text', { x: 4, y: 13 }, `${panel.error} (log), ${points[0].unit}`)];
   for (let power = Math.ceil(low); power <= most.error; power++) {
     const y = 300 - 270 * (power - low) / Math.max(0.2, most.error - low);
-    axis.push(shape('path', { d: `M60 ${y}H545`, class: 'axis' }), shape('text', { x: 54, y: y + 4, 'text-anchor': 'end' }, String(Number((10 ** power).toPrecision(1)))));
+    axis.push(shape('path', { d: `M60 ${y}H${wide - 15}`, class: 'axis' }), shape('text', { x: 54, y: y + 4, 'text-anchor': 'end' }, String(Number((10 ** power).toPrecision(1)))));
   }
   svg.replaceChildren(...axis);
   // A name stands where it covers no dot and no other name, right of its dot if it can.
@@ -84,8 +87,8 @@ function plot(points, panel) {
     dot.addEventListener('keydown', (event) => { if (['Enter', ' '].includes(event.key)) { event.preventDefault(); pick(points, i); } });
     const width = 7 * p.name.length;
     const places = [0, -14, 14, -28, 28, -42, 42].flatMap((rise) => [[cx + 11, cy + rise], [cx - 11 - width, cy + rise]]);
-    const free = ([x, y]) => x > 62 && x + width < 558 && y > 8 && y < 296 && !taken.some(([x0, y0, x1, y1]) => x < x1 && x + width > x0 && y - 7 < y1 && y + 7 > y0);
-    const [x, y] = places.find(free) ?? [Math.min(cx + 11, 556 - width), cy];
+    const free = ([x, y]) => x > 62 && x + width < wide - 2 && y > 8 && y < 296 && !taken.some(([x0, y0, x1, y1]) => x < x1 && x + width > x0 && y - 7 < y1 && y + 7 > y0);
+    const [x, y] = places.find(free) ?? [Math.min(cx + 11, wide - 4 - width), cy];
     taken.push([x, y - 7, x + width, y + 7]);
     svg.append(dot, shape('text', { x, y: y + 4 }, p.name));
   });
