@@ -174,8 +174,9 @@ pub(super) fn baked(
     lights: Option<&[usize]>,
 ) -> Result<LightMap, LabError> {
     let mut shadows = Vec::new();
+    let counts = |light: usize| lights.is_none_or(|all| all.contains(&light));
     for (index, light) in scene.lights.iter().enumerate() {
-        if !matches!(light, Light::Ambient { .. }) {
+        if counts(index) && !matches!(light, Light::Ambient { .. }) {
             let kind = shadow_kind(scene, index, None)?;
             let bias = shadow_bias(scene);
             let map = shadow_map_for(scene, &kind, 1024, bias, 3, 1)?;
