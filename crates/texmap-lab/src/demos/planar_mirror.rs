@@ -102,7 +102,7 @@ pub(super) fn planar_mirror(size: u32) -> Result<DemoPicture, LabError> {
         frame_by_rays(&around, size, size, 1).map_err(|e| LabError::Cases(e.to_string()))?;
     let traced = truth.codes();
     let floor: Vec<usize> = (0..truth.seen.len())
-        .filter(|i| truth.seen[*i].is_some_and(|(mesh, _)| mesh as usize == FLOOR))
+        .filter(|i| truth.seen[*i].is_some_and(|(mesh, _)| mesh == FLOOR))
         .collect();
 
     let by_rays = mixed(&own, &traced, &floor);
