@@ -399,8 +399,8 @@ fn textured_mirrors_mix_their_colours_with_what_they_mirror() {
     };
     let share = f64::from(SHARE);
     let (mut pixels, mut added) = (0, 0);
-    for i in 0..seen.len() {
-        let on_floor = seen[i] == FLOOR as u32;
+    for (i, mesh) in seen.iter().enumerate() {
+        let on_floor = *mesh == FLOOR as u32;
         for k in 0..3 {
             let (shown, a, b) = (linear(&some, i, k), linear(&own, i, k), linear(&all, i, k));
             let off = |light: f64| {
