@@ -43,6 +43,12 @@ pub fn with_planar_mirrors(
     (width, height): (u32, u32),
 ) -> Result<Scene, RenderError> {
     let mut out = scene.clone();
+    let blends = |mesh: &Mesh| {
+        let material = scene.materials.get(mesh.material);
+        material.is_some_and(|material| material.alpha == AlphaMode::Blend)
+    };
+    let before = scene.meshes.iter().position(blends);
+    let before = before.unwrap_or(scene.meshes.len());
     for mirror in mirrors {
         let texture = mirrored_light(scene, mirror, (width, height))?;
         out.textures.push(texture);
@@ -59,9 +65,6 @@ pub fn with_planar_mirrors(
             casts_no_shadow: true,
             ..own.clone()
         };
-        let blends = |mesh: &Mesh| out.materials[mesh.material].alpha == AlphaMode::Blend;
-        let before = scene.meshes.iter().position(blends);
-        let before = before.unwrap_or(scene.meshes.len());
         out.meshes.insert(before, layer);
     }
     if !mirrors.is_empty() && out.depth_test == DepthTest::Less {
