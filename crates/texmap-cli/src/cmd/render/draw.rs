@@ -204,17 +204,14 @@ impl Context<'_> {
         let names: Vec<&str> = self.args.aov.iter().map(|aov| aov.name.as_str()).collect();
         let picture = stage.add(main, store.format.ending());
         // The hash takes as long as the compression of a picture: reports alone hold it.
-        let alone = self.args.threads == Some(1);
+        let wanted = self.args.reports();
+        let beside = wanted && self.args.threads != Some(1);
         let (lost, hash) = std::thread::scope(|scope| {
-            let hash = || {
-                self.args
-                    .reports()
-                    .then(|| texmap_render::pixel_hash(frame))
-            };
-            let beside = (!alone).then(|| scope.spawn(hash));
+            let hash = || texmap_render::pixel_hash(frame);
+            let thread = beside.then(|| scope.spawn(hash));
             let lost = store.write(&picture, frame, &names);
-            let hashed = beside.and_then(|thread| thread.join().ok());
-            (lost, hashed.unwrap_or_else(hash))
+            let hashed = thread.and_then(|thread| thread.join().ok());
+            (lost, hashed.or_else(|| wanted.then(hash)))
         });
         let lost = lost?;
         for (name, (_, channels, data)) in names.iter().zip(&frame.aovs) {
