@@ -36,7 +36,8 @@ impl Environment {
     /// Longest side of a face.
     pub const MAX_SIDE: u32 = 8192;
 
-    /// An environment whose texels hold the `light` of their centres' directions, borders too. `size` is the height of a face.
+    /// An environment whose texels hold the `light` of their centres' directions, borders too. `size` is the height of a face. Light
+    /// that is not finite or beyond 2^120 stays as it is, and look-ups around it may be NaN.
     ///
     /// # Errors
     /// [`LightError::LayoutSize`] for a size of 0 or a side above [`Environment::MAX_SIDE`].
@@ -116,7 +117,8 @@ impl Environment {
     ///
     /// # Errors
     /// [`LightError::LayoutSize`] unless each face has the layout's shape (2:1 for lat-long, else square) and a side in
-    /// range; [`LightError::Length`] unless `texels` fills the faces; [`LightError::Texel`] for one that is not finite.
+    /// range; [`LightError::Length`] unless `texels` fills the faces; [`LightError::Texel`] for one that is not finite
+    /// or beyond 2^120.
     pub fn from_texels(
         chart: EnvironmentLayout,
         (width, height): (u32, u32),
@@ -134,9 +136,7 @@ impl Environment {
             texels.len(),
             chart.faces() * width as usize * height as usize,
         )?;
-        if let Some(index) = texels.iter().position(|t| t.iter().any(|c| !c.is_finite())) {
-            return Err(LightError::Texel { index });
-        }
+        check(texels)?;
         Ok(Self::of(
             chart,
             (width, height),
@@ -269,6 +269,19 @@ impl Environment {
     }
 }
 
+/// 2^120: differences and weighted sums of texels stay finite.
+const LIMIT: f32 = 1.329_228e36;
+
+/// # Errors
+/// [`LightError::Texel`] for the first texel beyond [`LIMIT`].
+fn check(texels: &[[f32; 3]]) -> Result<(), LightError> {
+    let beyond = |c: &f32| c.is_nan() || c.abs() > LIMIT;
+    match texels.iter().position(|texel| texel.iter().any(beyond)) {
+        Some(index) => Err(LightError::Texel { index }),
+        None => Ok(()),
+    }
+}
+
 /// The texels of a layout with their borders, face by face, row by row.
 struct Places {
     faces: usize,
@@ -335,6 +348,29 @@ mod tests {
             let (w, h) = (13 * chart.aspect(), 13);
             let uv = DVec2::new(0.5 / f64::from(w), 0.5 / f64::from(h));
             assert_eq!(texel, Some(light(chart.direction(0, uv))), "{chart:?}");
+        }
+    }
+
+    /// Neighbours of the greatest and least number differ by an infinity, and look-ups between them were NaN.
+    #[test]
+    fn light_beyond_the_limit_is_refused_and_light_at_the_limit_is_read() {
+        let size = (2, 2);
+        for chart in [EnvironmentLayout::Cube, EnvironmentLayout::TanCube] {
+            let mut texels = alloc::vec![[LIMIT, -LIMIT, 1.0]; chart.faces() * 4];
+            texels[1] = [-LIMIT, LIMIT, 1.0];
+            let sky = Environment::from_texels(chart, size, &texels).unwrap();
+            let blurred = sky.specular_map(chart, 2, 8.0).unwrap();
+            for sky in [sky.with_mips(), blurred] {
+                for d in [[0.0, 0.1, 1.0], [0.3, -1.0, 0.2], [-1.0, 1.0, 1.0]] {
+                    let light = sky.radiance(d);
+                    assert!(light.iter().all(|c| c.abs() <= LIMIT * 1.001), "{light:?}");
+                }
+            }
+            for beyond in [f32::MAX, f32::MIN, f32::INFINITY, f32::NAN] {
+                texels[3][2] = beyond;
+                let refused = Environment::from_texels(chart, size, &texels);
+                assert_eq!(refused, Err(LightError::Texel { index: 3 }));
+            }
         }
     }
 

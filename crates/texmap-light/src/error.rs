@@ -24,7 +24,7 @@ pub enum LightError {
         /// Texels.
         height: u32,
     },
-    /// A texel that is NaN or infinite.
+    /// A texel of an environment that is NaN, infinite or beyond 2^120, or a depth that is NaN or negative.
     Texel {
         /// Its index.
         index: usize,
@@ -63,7 +63,10 @@ impl fmt::Display for LightError {
                 Environment::MAX_SIDE
             ),
             Self::Cancelled => write!(f, "cancelled"),
-            Self::Texel { index } => write!(f, "texel {index} is not finite"),
+            Self::Texel { index } => write!(
+                f,
+                "texel {index} is NaN, infinite, beyond 2^120 or a negative depth: replace such values first"
+            ),
             Self::Exponent { exponent } => write!(
                 f,
                 "an exponent of {exponent}: it must be finite and not negative"
