@@ -38,7 +38,7 @@ pub(crate) fn read(request: &Request<'_>, textures: &mut Textures) -> Result<Mod
     let reader = READERS.iter().find(|(ending, _)| is_called(path, ending));
     let reader = reader.map_or(obj::read as Reader, |(_, reader)| *reader);
     // On a thread of the pool: each of a reader's parallel loops, of which every mesh has some, would wake and await it from outside.
-    let (model, bytes) = rayon::scope(|_| reader(request, textures))?;
+    let (model, bytes) = texmap_math::parallel::within(|| reader(request, textures))?;
     if again {
         // It will be named a third time; its warnings were reported.
         let silent = Model {

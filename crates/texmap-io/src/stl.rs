@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use memchr::memchr_iter;
-use rayon::prelude::*;
 use texmap_math::glam::DVec3;
+use texmap_math::parallel;
 
 use crate::models::Request;
 use crate::obj::{Model, Part, UNNAMED, unit};
@@ -45,15 +45,15 @@ pub(crate) fn read(
     }
     let count = corners.len() as u32 / 3;
     // Normals of the file are often wrong or zero; the order of the corners gives them too.
-    let triangles = corners.as_chunks::<3>().0.par_iter();
-    let normals = triangles.map(|triangle| {
-        let [a, b, c] = triangle.map(|p| DVec3::from(p.map(f64::from)));
+    let triangles = corners.as_chunks::<3>().0;
+    let normals = parallel::list(triangles.len(), [[0.0; 3]; 3], |i| {
+        let [a, b, c] = triangles[i].map(|p| DVec3::from(p.map(f64::from)));
         let normal = unit((b - a).cross(c - a)).unwrap_or(DVec3::Z);
         [normal.as_vec3().to_array(); 3]
     });
     let part = Part {
         name: UNNAMED.to_owned(),
-        normals: normals.collect::<Vec<_>>().into_flattened(),
+        normals: normals.into_flattened(),
         triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         faces: (0..count).collect(),
         positions: corners,
@@ -133,8 +133,10 @@ fn binary(path: &Path, bytes: &[u8]) -> Result<Vec<[f32; 3]>, IoError> {
         }
         xyz
     };
-    let triangles = body[..TRIANGLE * count].par_chunks_exact(TRIANGLE);
-    let corners: Vec<_> = triangles.map(|t| [0, 1, 2].map(|i| corner(t, i))).collect();
+    let corners = parallel::list(count, [[0.0; 3]; 3], |t| {
+        let triangle = &body[TRIANGLE * t..][..TRIANGLE];
+        [0, 1, 2].map(|i| corner(triangle, i))
+    });
     let corners = corners.into_flattened();
     match corners
         .iter()

@@ -5,7 +5,7 @@ mod packed;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, Texture2d, Texture3d};
 
 use crate::files::MAX_TEXT;
@@ -170,12 +170,12 @@ impl Textures {
         if new.len() < 2 {
             return;
         }
-        let sizes = new.par_iter().map(|(path, ..)| {
+        let sizes = parallel::map(new.iter(), |(path, ..)| {
             let size = image_io::stated_size(&self.source, path);
             size.map_or(0, |(width, height)| u64::from(width) * u64::from(height))
         });
         // Decoded, with four channels, and with a mip chain.
-        let bytes = sizes.sum::<u64>().saturating_mul(4 + 4 + 11);
+        let bytes = sizes.into_iter().sum::<u64>().saturating_mul(4 + 4 + 11);
         let what = format_args!("{} images at once", new.len());
         if self.source.ask(bytes, what, "", None).is_err() {
             return;
@@ -187,7 +187,7 @@ impl Textures {
                 read.map(|(texture, size)| (with_levels(texture), size)),
             )
         };
-        let read: Vec<_> = new.into_par_iter().map(read).collect();
+        let read = parallel::map(new.into_iter(), read);
         self.ahead.extend(read);
     }
 

@@ -89,6 +89,8 @@ pub mod interpolation;
 pub mod lanes;
 pub mod memory;
 mod on_level;
+#[doc(hidden)]
+pub mod parallel;
 pub mod plane;
 pub mod progress;
 pub mod projector;

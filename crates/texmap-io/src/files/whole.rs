@@ -3,9 +3,6 @@
 use std::fs::File;
 use std::io::{self, Read};
 
-#[cfg(unix)]
-use rayon::prelude::*;
-
 /// Files from this size on are read by every thread, a piece of this size each: 4 MiB.
 pub(super) const LARGE: u64 = 1 << 22;
 
@@ -24,8 +21,11 @@ pub(super) fn read_at_once(file: File, size: u64) -> io::Result<Vec<u8>> {
 
     // The system zeroes memory pages at the first write to each, which is most of the time of reading.
     let mut bytes = vec![0; size as usize];
-    let pieces = bytes.par_chunks_mut(LARGE as usize).enumerate();
-    pieces.try_for_each(|(number, piece)| file.read_exact_at(piece, number as u64 * LARGE))?;
+    let pieces = bytes.chunks_mut(LARGE as usize).enumerate();
+    let read = texmap_math::parallel::map(pieces, |(number, piece)| {
+        file.read_exact_at(piece, number as u64 * LARGE)
+    });
+    read.into_iter().collect::<io::Result<()>>()?;
     Ok(bytes)
 }
 

@@ -5,11 +5,10 @@
 //! vertices that is `ez >= (A + B) / 2t`, and at the least `ez` the eye is at `ex = (A - B) / 2`. The same holds for y; the larger `ez`
 //! serves both.
 
-use rayon::prelude::*;
 use texmap_math::camera::{Camera, Lens};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DVec3};
-use texmap_math::wide;
+use texmap_math::{parallel, wide};
 use texmap_scene::{Mesh, Scene};
 
 use super::Framing;
@@ -58,17 +57,17 @@ impl Extent {
     fn of(scene: &Scene, add: impl Fn(&mut Self, DVec3) + Sync) -> Self {
         let of_mesh = |mesh: &Mesh| {
             let used = used(mesh);
-            let blocks = mesh.positions.par_chunks(VERTICES);
-            let blocks = blocks.zip(used.par_chunks(VERTICES));
-            let extents = blocks.map(|(positions, used)| {
+            let blocks = mesh.positions.chunks(VERTICES);
+            let blocks = blocks.zip(used.chunks(VERTICES));
+            let extents = parallel::map(blocks, |(positions, used)| {
                 let mut extent = Self::EMPTY;
                 each_used(mesh, positions, used, |p| add(&mut extent, p));
                 extent
             });
-            extents.reduce(|| Self::EMPTY, Self::and)
+            extents.into_iter().fold(Self::EMPTY, Self::and)
         };
-        let extents = scene.meshes.par_iter().map(of_mesh);
-        extents.reduce(|| Self::EMPTY, Self::and)
+        let extents = parallel::map(scene.meshes.iter(), of_mesh);
+        extents.into_iter().fold(Self::EMPTY, Self::and)
     }
 
     fn camera(

@@ -77,13 +77,8 @@ mod tests {
 
     #[test]
     fn threads_of_the_pool_do_not_wait_for_each_other() {
-        use rayon::prelude::*;
-
         let of = |k: i32| Roughnesses::between(0.1 * k as f32, 0.1 * k as f32);
-        let all: Vec<_> = (0..32)
-            .into_par_iter()
-            .map(|k| studio(Up::Y, of(k % 8)))
-            .collect();
+        let all = texmap_math::parallel::map(0..32, |k| studio(Up::Y, of(k % 8)));
         assert!((0..8).all(|k| all[k] == all[k + 24]));
         assert_ne!(all[2], all[5]);
     }

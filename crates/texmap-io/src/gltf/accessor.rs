@@ -1,6 +1,6 @@
 //! Typed arrays in the buffers of a document, checked before the first value is read.
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 
 use super::json;
 use super::model::Model;
@@ -243,8 +243,7 @@ impl Accessor<'_> {
                 values[*index as usize] = value;
             }
         }
-        let all = values.par_iter().with_min_len(GRAIN);
-        match all.position_first(|v| v.iter().any(|x| !x.is_finite())) {
+        match parallel::first(values.len(), |i| values[i].iter().any(|x| !x.is_finite())) {
             Some(i) => Err(self
                 .model
                 .broken(&self.pointer, format!("element {i} is not finite"))),
@@ -293,9 +292,6 @@ impl Accessor<'_> {
     }
 }
 
-/// Elements that a thread takes at least.
-const GRAIN: usize = 1 << 14;
-
 /// Elements of `N` components of `S` bytes each; the last one ends with `bytes`.
 fn numbers<const N: usize, const S: usize>(
     bytes: &[u8],
@@ -307,8 +303,7 @@ fn numbers<const N: usize, const S: usize>(
         let element = &bytes[i * stride..][..N * S];
         std::array::from_fn(|n| read(std::array::from_fn(|b| element[n * S + b])))
     };
-    let all = (0..count).into_par_iter().with_min_len(GRAIN);
-    all.map(element).collect()
+    parallel::list(count, [0.0; N], element)
 }
 
 fn whole_numbers<const N: usize>(
@@ -318,9 +313,8 @@ fn whole_numbers<const N: usize>(
     component: Component,
 ) -> Vec<[u32; N]> {
     fn groups<const N: usize>(count: usize, number: impl Fn(usize) -> u32 + Sync) -> Vec<[u32; N]> {
-        let all = (0..count / N).into_par_iter().with_min_len(GRAIN);
-        all.map(|i| std::array::from_fn(|n| number(i * N + n)))
-            .collect()
+        let group = |i: usize| std::array::from_fn(|n| number(i * N + n));
+        parallel::list(count / N, [0; N], group)
     }
     let at = |i: usize| &bytes[i * stride..];
     match component {

@@ -1,7 +1,7 @@
 //! Primitives to vertices and triangles: attributes, morph targets, skins.
 
-use rayon::prelude::*;
 use texmap_math::glam::{DMat3, DMat4, DVec3};
+use texmap_math::parallel;
 
 use super::json::{Mesh, Primitive};
 use super::model::Model;
@@ -289,10 +289,11 @@ impl Geometry {
 
     /// Gives every triangle vertices and a normal of its own.
     fn facet(&mut self) {
-        fn split<T: Copy + Send + Sync>(values: &mut Vec<T>, triangles: &[[u32; 3]]) {
+        fn split<T: Copy + Default + Send + Sync>(values: &mut Vec<T>, triangles: &[[u32; 3]]) {
             if !values.is_empty() {
-                let corners = triangles.as_flattened().par_iter();
-                *values = corners.map(|i| values[*i as usize]).collect();
+                let corners = triangles.as_flattened();
+                *values =
+                    parallel::list(corners.len(), T::default(), |i| values[corners[i] as usize]);
             }
         }
         split(&mut self.positions, &self.triangles);
@@ -301,17 +302,19 @@ impl Geometry {
         split(&mut self.colors, &self.triangles);
         // Tangents without normals are those of no surface.
         self.tangents.clear();
-        let corners = self.positions.as_chunks::<3>().0.par_iter();
-        let normals = corners.map(|[a, b, c]| {
+        let corners = self.positions.as_chunks::<3>().0;
+        let normals = parallel::list(corners.len(), [[0.0; 3]; 3], |i| {
+            let [a, b, c] = &corners[i];
             let normal = (wide(*b) - wide(*a)).cross(wide(*c) - wide(*a));
             [crate::obj::unit(normal)
                 .unwrap_or(DVec3::ZERO)
                 .as_vec3()
                 .to_array(); 3]
         });
-        self.normals = normals.collect::<Vec<_>>().into_flattened();
-        let numbered = (0..self.triangles.len() as u32).into_par_iter();
-        self.triangles = numbered.map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        self.normals = normals.into_flattened();
+        self.triangles = parallel::list(self.triangles.len(), [0; 3], |t| {
+            [3 * t, 3 * t + 1, 3 * t + 2].map(|i| i as u32)
+        });
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 use texmap_sample::{ColorSpace, Texture2d};
 
 use super::model::Model;
@@ -76,25 +76,20 @@ pub(super) fn textures(
         sources.push((*image, source(model, *image, missing)?));
     }
     let shared = &*model;
-    let decoded: Vec<Result<Option<Rgba>, IoError>> = sources
-        .par_iter()
-        .map(|(image, bytes)| decode(shared, *image, bytes))
-        .collect();
+    let decoded = parallel::map(sources.iter(), |(image, bytes)| {
+        decode(shared, *image, bytes)
+    });
     let mut pictures = Vec::new();
     for ((image, bytes), decoded) in sources.iter().zip(decoded) {
         pictures.push(keep(model, *image, bytes, decoded)?);
     }
-    let made: Vec<Result<Texture2d<'static>, IoError>> = uses
-        .list
-        .par_iter()
-        .map(|(image, used)| {
-            let at = wanted.partition_point(|w| w < image);
-            match &pictures[at] {
-                Some(picture) => texture(model, *image, picture, *used, raw),
-                None => Ok(stand_in(missing, used.content()).with_mips()),
-            }
-        })
-        .collect();
+    let made = parallel::map(uses.list.iter(), |(image, used)| {
+        let at = wanted.partition_point(|w| w < image);
+        match &pictures[at] {
+            Some(picture) => texture(model, *image, picture, *used, raw),
+            None => Ok(stand_in(missing, used.content()).with_mips()),
+        }
+    });
     made.into_iter().collect()
 }
 

@@ -1,6 +1,6 @@
 //! Lists, strips and fans of indices to triangles.
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 
 use super::json::Primitive;
 use super::model::Model;
@@ -49,19 +49,14 @@ impl Corners<'_> {
         let Self { model, at, .. } = self;
         let Some(index) = self.primitive.indices else {
             model.ask(12 * self.vertices as u64, at)?;
-            let first = (0..(self.vertices / N) as u32).into_par_iter();
-            let group = |i: u32| std::array::from_fn(|n| i * N as u32 + n as u32);
-            return Ok(first.map(group).collect());
+            let group = |i: usize| std::array::from_fn(|n| (i * N + n) as u32);
+            return Ok(parallel::list(self.vertices / N, [0; N], group));
         };
         let accessor = model.accessor(index, &format!("{at}/indices"))?;
         model.ask(12 * accessor.count as u64, at)?;
         let groups = accessor.indices::<N>()?;
         let all = groups.as_flattened();
-        let bad = all
-            .par_iter()
-            .with_min_len(GRAIN)
-            .position_first(|i| *i as usize >= self.vertices);
-        match bad {
+        match parallel::first(all.len(), |i| all[i] as usize >= self.vertices) {
             None => Ok(groups),
             Some(bad) => {
                 let problem = format!(
@@ -73,9 +68,6 @@ impl Corners<'_> {
         }
     }
 }
-
-/// Indices that a thread takes at least.
-const GRAIN: usize = 1 << 16;
 
 /// Each further corner makes a triangle with the two before it; every second one is turned. Those that repeat a corner only join parts.
 fn strip(all: &[u32]) -> Vec<[u32; 3]> {

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use rayon::prelude::*;
 use texmap_math::glam::DVec3;
+use texmap_math::parallel;
 
 use super::read::{Corner, Face, NONE, Obj};
 
@@ -20,9 +20,9 @@ pub(super) struct Normals<'a> {
 
 impl<'a> Normals<'a> {
     pub(super) fn of(obj: &'a Obj) -> Self {
-        let lacks = |c: &Corner| c.normal == NONE;
-        let complete =
-            obj.normals.par_iter().all(|n| has_direction(*n)) && !obj.corners.par_iter().any(lacks);
+        let (normals, corners) = (&obj.normals, &obj.corners);
+        let complete = parallel::first(normals.len(), |i| !has_direction(normals[i])).is_none()
+            && parallel::first(corners.len(), |i| corners[i].normal == NONE).is_none();
         Self {
             obj,
             smooth: match complete {
@@ -143,9 +143,9 @@ impl Smooth {
         let mut sums = vec![[0.0; 3]; count];
         let threads = rayon::current_num_threads().min(MOST_RANGES);
         let side = count.div_ceil(threads).max(1);
-        let ranges = groups.par_chunks_mut(side).zip(sums.par_chunks_mut(side));
-        let ranges = ranges.zip(means.par_chunks_mut(side)).enumerate();
-        let others = ranges.map(|(number, ((groups, sums), means))| {
+        let ranges = groups.chunks_mut(side).zip(sums.chunks_mut(side));
+        let ranges = ranges.zip(means.chunks_mut(side)).enumerate();
+        let others = parallel::map(ranges, |(number, ((groups, sums), means))| {
             let mut range = Range {
                 first: number * side,
                 sums,
@@ -159,7 +159,6 @@ impl Smooth {
             }
             range.others
         });
-        let others: Vec<_> = others.collect();
         Self {
             groups,
             means,

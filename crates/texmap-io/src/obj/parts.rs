@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 use texmap_uv::{Origin, Projection, project};
 
 use super::mtl::Description;
@@ -138,16 +138,17 @@ impl Builder<'_> {
                 *count += 1;
             }
         }
-        let vertices = self.vertices.of_part().par_iter();
-        let position = |v: &Vertex| obj.positions[v.of as usize];
-        part.positions = vertices.clone().map(position).collect();
-        let normal = |v: &Vertex| self.normals.get(v.normal);
-        part.normals = vertices.clone().map(normal).collect();
+        let (vertices, normals) = (self.vertices.of_part(), &self.normals);
+        let three = |of: &(dyn Fn(&Vertex) -> [f32; 3] + Sync)| {
+            parallel::list(vertices.len(), [0.0; 3], |i| of(&vertices[i]))
+        };
+        part.positions = three(&|v| obj.positions[v.of as usize]);
+        part.normals = three(&|v| normals.get(v.normal));
         if uv {
-            part.uvs = vertices.clone().map(|v| obj.uv(v.uv)).collect();
+            part.uvs = parallel::list(vertices.len(), [0.0; 2], |i| obj.uv(vertices[i].uv));
         }
         if !obj.colors.is_empty() {
-            part.colors = vertices.map(|v| obj.colors[v.of as usize]).collect();
+            part.colors = three(&|v| obj.colors[v.of as usize]);
         }
         if bare.is_empty() {
             return part;

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use memchr::{memchr, memrchr};
-use rayon::prelude::*;
+use texmap_math::parallel;
 
 use super::read::{Above, Group, Obj, Spans, read_piece};
 use crate::IoError;
@@ -39,18 +39,16 @@ fn read_in(
         }
         return Ok(obj);
     }
-    let counts: Vec<Above> = (pieces.par_iter())
-        .map(|piece| Above::of(text, piece.clone()))
-        .collect();
+    let counts = parallel::map(pieces.iter(), |piece| Above::of(text, piece.clone()));
     let above = counts.iter().scan(Above::default(), |sum, own| {
         let above = *sum;
         *sum = above.and(*own);
         Some(above)
     });
-    let jobs: Vec<_> = pieces.into_iter().zip(above).collect();
-    let read: Vec<_> = (jobs.into_par_iter())
-        .map(|(piece, above)| read_piece(file, text, piece, above, spans.is_some()))
-        .collect();
+    let above: Vec<Above> = above.collect();
+    let read = parallel::map(pieces.into_iter().zip(above), |(piece, above)| {
+        read_piece(file, text, piece, above, spans.is_some())
+    });
     // The first fault of the text, whichever was found first.
     let read = read.into_iter().collect::<Result<Vec<_>, IoError>>()?;
     let (objs, found): (Vec<_>, Vec<_>) = read.into_iter().unzip();
@@ -98,7 +96,7 @@ fn join(mut pieces: Vec<Obj>) -> Obj {
         .iter_mut()
         .map(|p| mem::take(&mut p.corners))
         .collect();
-    let (corners, all) = rayon::join(|| joined(corners), || join_rest(pieces));
+    let (corners, all) = parallel::join(|| joined(corners), || join_rest(pieces));
     Obj { corners, ..all }
 }
 

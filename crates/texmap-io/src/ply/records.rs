@@ -1,6 +1,6 @@
 //! Positions of the records of an element in a body of bytes.
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 
 use super::header::{Element, Property};
 
@@ -109,10 +109,12 @@ impl<'a> Records<'a> {
             let offset = at - self.start(0);
             at = values + count as usize * property.kind.size();
             property.list.is_none()
-                || (0..self.element.count).into_par_iter().all(|record| {
-                    self.values(self.start(record) + offset, property)
+                || parallel::first(self.element.count, |record| {
+                    !self
+                        .values(self.start(record) + offset, property)
                         .is_ok_and(|(_, found)| found == count)
                 })
+                .is_none()
         })
     }
 

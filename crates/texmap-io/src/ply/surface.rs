@@ -1,6 +1,6 @@
 //! Vertices and polygons of a PLY file.
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 
 use super::records::{Field, Records};
 use crate::obj::{Corner, Face, NONE, Obj};
@@ -43,10 +43,8 @@ impl Points {
         let three = |[a, b, c]: [Field<'_>; 3], what: &str| {
             let [a, b, c] = [scalar(a)?, scalar(b)?, scalar(c)?];
             let read = |i: usize| [a.value(i) as f32, b.value(i) as f32, c.value(i) as f32];
-            let values: Vec<[f32; 3]> = (0..count).into_par_iter().map(read).collect();
-            let bad = values
-                .par_iter()
-                .position_first(|v| !v.iter().all(|c| c.is_finite()));
+            let values: Vec<[f32; 3]> = parallel::list(count, [0.0; 3], read);
+            let bad = parallel::first(count, |i| !values[i].iter().all(|c| c.is_finite()));
             match bad {
                 None => Ok(values),
                 Some(i) => Err(fault(
@@ -69,13 +67,15 @@ impl Points {
                 2 => 65535.0,
                 _ => 1.0,
             });
-            points.colors.par_iter_mut().for_each(|rgb| {
-                for (c, most) in rgb.iter_mut().zip(most) {
+            let pieces = points.colors.chunks_mut(parallel::PIECE);
+            parallel::for_each(pieces, |piece| {
+                for (c, most) in piece.iter_mut().flat_map(|rgb| rgb.iter_mut().zip(most)) {
                     *c /= most;
                 }
             });
-            let outside = |rgb: &[f32; 3]| !rgb.iter().all(|c| (0.0..=1.0).contains(c));
-            if let Some(i) = points.colors.par_iter().position_first(outside) {
+            let colors = &points.colors;
+            let outside = |i: usize| !colors[i].iter().all(|c| (0.0..=1.0).contains(c));
+            if let Some(i) = parallel::first(count, outside) {
                 return Err(fault(i, "has a colour outside of 0 to 1 (255 for uchar)"));
             }
         }
@@ -91,11 +91,9 @@ impl Points {
         if let Some((u, v)) = pair {
             let (u, v) = (scalar(u)?, scalar(v)?);
             let read = |i: usize| [u.value(i) as f32, v.value(i) as f32];
-            points.uvs = (0..count).into_par_iter().map(read).collect();
-            let bad = points
-                .uvs
-                .par_iter()
-                .position_first(|v| !v.iter().all(|c| c.is_finite()));
+            points.uvs = parallel::list(count, [0.0; 2], read);
+            let uvs = &points.uvs;
+            let bad = parallel::first(count, |i| !uvs[i].iter().all(|c| c.is_finite()));
             if let Some(i) = bad {
                 return Err(fault(i, "has a coordinate that is not finite in 32 bits"));
             }
@@ -143,17 +141,15 @@ impl Polygons {
             return Err(fault(0, problem));
         };
         let mut polygons = Self::default();
-        if (0..count)
-            .into_par_iter()
-            .all(|i| indices.list(i).len() == 3)
-        {
-            polygons.corners = vec![0; 3 * count];
-            let corners = polygons.corners.as_chunks_mut::<3>().0;
-            corners.par_iter_mut().enumerate().for_each(|(i, corners)| {
+        if parallel::first(count, |i| indices.list(i).len() != 3).is_none() {
+            let corners = parallel::list(count, [0; 3], |i| {
+                let mut corners = [0; 3];
                 for (corner, index) in corners.iter_mut().zip(indices.list(i)) {
                     *corner = whole(index);
                 }
+                corners
             });
+            polygons.corners = corners.into_flattened();
         } else {
             for i in 0..count {
                 let list = indices.list(i);
@@ -166,7 +162,8 @@ impl Polygons {
             }
         }
         let beyond = |index: &u32| *index as usize >= vertices;
-        if polygons.corners.par_iter().any(beyond) {
+        let corners = &polygons.corners;
+        if parallel::first(corners.len(), |i| beyond(&corners[i])).is_some() {
             let bad = (0..count).find_map(|i| {
                 let index = indices.list(i).find(|index| beyond(&whole(*index)))?;
                 Some((i, index))
