@@ -40,7 +40,7 @@ pub(crate) fn ggx_average<I: Isa>(i: I, roughness: I::F32) -> [I::F32; 2] {
     let Some(words) = GatherTable::new(&table::GGX_AVERAGE) else {
         return [i.f32(0.0); 2];
     };
-    let (at, k) = split(i, roughness);
+    let (at, k) = split(i, roughness, SIDE);
     let [p, q] = i.gather_pairs(words, at.to_u32());
     [
         mix::<I>(low::<I>(p), low::<I>(q), k) * UNIT,
@@ -74,8 +74,8 @@ impl<I: Isa> Around<I> {
         cosine: I::F32,
     ) -> Option<Self> {
         let words = GatherTable::new(words)?;
-        let (row, y) = split(i, roughness);
-        let (column, x) = split(i, cosine.sqrt());
+        let (row, y) = split(i, roughness, SIDE);
+        let (column, x) = split(i, cosine.sqrt(), SIDE);
         let at = (row * SIDE as i32 + column).to_u32();
         let [p, q] = i.gather_pairs(words, at);
         let [r, s] = i.gather_pairs(words, at + SIDE as u32);
@@ -92,26 +92,26 @@ impl<I: Isa> Around<I> {
     }
 }
 
-/// The step at or below a coordinate within 0 to 1, with one above it, and the distance from there.
+/// Of `side` even steps the one at or below a coordinate within 0 to 1, with one above it, and the distance from there.
 #[inline(always)]
-fn split<I: Isa>(i: I, c: I::F32) -> (I::I32, I::F32) {
-    let c = c.clamp(i.f32(0.0), i.f32(1.0)) * (SIDE - 1) as f32;
-    let low = c.floor_to_i32().min(i.i32(SIDE as i32 - 2));
+pub(crate) fn split<I: Isa>(i: I, c: I::F32, side: usize) -> (I::I32, I::F32) {
+    let c = c.clamp(i.f32(0.0), i.f32(1.0)) * (side - 1) as f32;
+    let low = c.floor_to_i32().min(i.i32(side as i32 - 2));
     (low, c - low.to_f32())
 }
 
 #[inline(always)]
-fn low<I: Isa>(word: I::U32) -> I::F32 {
+pub(crate) fn low<I: Isa>(word: I::U32) -> I::F32 {
     (word & 0xffff).to_i32().to_f32()
 }
 
 #[inline(always)]
-fn high<I: Isa>(word: I::U32) -> I::F32 {
+pub(crate) fn high<I: Isa>(word: I::U32) -> I::F32 {
     (word >> 16).to_i32().to_f32()
 }
 
 #[inline(always)]
-fn mix<I: Isa>(p: I::F32, q: I::F32, k: I::F32) -> I::F32 {
+pub(crate) fn mix<I: Isa>(p: I::F32, q: I::F32, k: I::F32) -> I::F32 {
     p + (q - p) * k
 }
 

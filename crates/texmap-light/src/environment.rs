@@ -1,7 +1,7 @@
 //! Environments: light from every direction, stored in a layout, and its bilinear look-ups.
 
 mod convert;
-mod level;
+pub(crate) mod level;
 mod mips;
 mod specular;
 
@@ -161,47 +161,11 @@ impl Environment {
         }
     }
 
-    /// The first levels of environments of one layout as the levels of one. One that is missing reads as the next, the last ones as the
-    /// last that there is.
-    pub(crate) fn of_levels(first: &Self, others: &[Option<&Self>]) -> Self {
-        let mut texels = Vec::new();
-        let made = core::iter::once(Some(first)).chain(others.iter().copied());
-        let made = made.map(|environment| {
-            let environment = environment?;
-            let start = texels.len();
-            texels.extend_from_slice(environment.first_level());
-            let level = environment.levels[0];
-            Some(Level { start, ..level })
-        });
-        let made: Vec<_> = made.collect();
-        let mut next = made.iter().copied().rev().flatten().next();
-        let levels = made.into_iter().rev().filter_map(|level| {
-            next = level.or(next);
-            next
-        });
-        let mut levels: Vec<Level> = levels.collect();
-        levels.reverse();
-        Self {
-            layout: first.layout,
-            texels,
-            packed: Vec::new(),
-            table: LevelTable::new(&levels),
-            levels,
-            exponent: None,
-        }
-    }
-
     /// The texels of level 0.
-    fn first_level(&self) -> &[[f32; 3]] {
+    pub(crate) fn first_level(&self) -> &[[f32; 3]] {
         let (width, height) = self.size();
         let count = self.layout.faces() * (width as usize + 2) * (height as usize + 2);
         &self.texels[..count]
-    }
-
-    /// True if both look alike.
-    pub(crate) fn has_first_level_of(&self, other: &Self) -> bool {
-        let sides = |e: &Self| (e.layout, e.size());
-        sides(self) == sides(other) && self.first_level() == other.first_level()
     }
 
     /// The layout.

@@ -1,6 +1,7 @@
 //! Environments that light surfaces: their light gathered by the lobes of roughnesses and by a diffuse surface.
 
 mod gather;
+mod levels;
 mod prefilter;
 mod roughnesses;
 mod studio;
@@ -11,24 +12,27 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 use crate::environment::Environment;
 use crate::error::LightError;
 use crate::lanes::Vector;
+use levels::Levels;
 pub use prefilter::Prefilter;
 pub use roughnesses::Roughnesses;
 use roughnesses::STEPS;
 
 /// Light from every direction as surfaces receive it: the sum over all directions is taken once, for each of eleven roughnesses and
 /// for a diffuse surface, and read by direction. Radiances from 0 to a million; others count as the nearer end.
+/// Texels are held in one word, off by 1/512 of their
+/// brightest channel at most.
 ///
-/// A rough reflection is that of a surface seen head on, turned to the mirrored direction (Karis 2013): exact there, and off where
-/// the eye sees a surface at grazing incidence, whose reflections are longer than wide.
+/// A level holds the reflection of a surface seen head on (Karis 2013); [`ReflectionLobes`](crate::ReflectionLobes) makes that of one seen
+/// aslant of several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentLight {
     /// A cube. Level k holds the light that the lobe of a roughness of k / 10 gathers; level 0 is the environment. A level that was not
     /// made reads as the next rougher one that was, the roughest as the last.
-    rough: Environment,
+    rough: Levels,
     /// The levels that were made.
     roughnesses: Roughnesses,
     /// Cosine-weighted means over hemispheres: irradiance over pi.
-    diffuse: Environment,
+    diffuse: Levels,
     /// Cosine and sine of the turn about +Y.
     turn: [f32; 2],
     /// Its +Y stands on +Z.
@@ -46,7 +50,7 @@ impl EnvironmentLight {
         Prefilter::new(environment, size).and_then(|mut made| made.light(Roughnesses::ALL))
     }
 
-    fn of(rough: Environment, diffuse: Environment, roughnesses: Roughnesses) -> Self {
+    fn of(rough: Levels, diffuse: Levels, roughnesses: Roughnesses) -> Self {
         Self {
             rough,
             roughnesses,
@@ -92,13 +96,13 @@ impl EnvironmentLight {
     /// Texels a side of the environment itself.
     #[must_use]
     pub fn size(&self) -> u32 {
-        self.rough.size().0
+        self.rough.size()
     }
 
     /// Number of roughness levels. Level k of `n` holds the light that the lobe of a roughness of `k / (n - 1)` gathers.
     #[must_use]
     pub fn levels(&self) -> usize {
-        self.rough.levels()
+        self.rough.count()
     }
 
     /// Light that a lobe of this perceptual roughness gathers around a direction of any length, the mean of the environment with
@@ -124,15 +128,14 @@ impl EnvironmentLight {
         direction: Vector<I>,
     ) -> Vector<I> {
         let lod = roughness.clamp(i.f32(0.0), i.f32(1.0)) * STEPS as f32;
-        self.rough
-            .level_lanes(i, lod, self.turned_lanes(i, direction))
+        self.rough.radiance(i, lod, self.turned_lanes(i, direction))
     }
 
     /// [`irradiance`](Self::irradiance) for the lanes of a block; outside of semantic versioning.
     #[inline(always)]
     pub fn irradiance_lanes<I: Isa>(&self, i: I, normal: Vector<I>) -> Vector<I> {
         self.diffuse
-            .level_lanes(i, i.f32(0.0), self.turned_lanes(i, normal))
+            .radiance(i, i.f32(0.0), self.turned_lanes(i, normal))
     }
 
     /// A direction in the environment's own axes.

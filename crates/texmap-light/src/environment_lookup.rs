@@ -7,12 +7,13 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::cube_face::Side;
 use crate::environment::Environment;
+use crate::environment::level::LevelTable;
 use crate::lanes::Vector;
 use crate::packed::UNIT;
 use crate::reflect::RayLanes;
 use crate::vector::{dot, usable};
 use crate::{EnvironmentLayout, Ray};
-use on_face::{LevelLanes, on_face};
+use on_face::{Floats, LevelLanes, SharedExponent, Steps, Texels, on_face};
 
 /// The largest square of a footprint, in texels, that is told from more.
 const MOST: f32 = 1e30;
@@ -37,22 +38,6 @@ impl Environment {
         } else {
             self.radiance_of_chart(i, ray)
         }
-    }
-
-    /// Bilinear on a cube's levels around `lod`. Zero and non-finite directions read as +Z.
-    #[inline(always)]
-    pub(crate) fn level_lanes<I: Isa>(&self, i: I, lod: I::F32, direction: Vector<I>) -> Vector<I> {
-        let (d, _) = usable(i, direction);
-        let side = Side::<I>::of(d);
-        let [sc, tc, m] = side.along(d);
-        let per_m = i.f32(0.5) / m;
-        let Some(words) = GatherTable::new(bytemuck::cast_slice(self.texels.as_flattened())) else {
-            return [i.f32(1.0); 3];
-        };
-        let level = lod.floor_to_i32();
-        let k = lod - level.to_f32();
-        let (u, v) = (sc * per_m + 0.5, tc * per_m + 0.5);
-        self.between::<I, true, false>(i, words, level, k, side.face(i), u, v)
     }
 
     #[inline(always)]
@@ -115,16 +100,40 @@ impl Environment {
         let level = lod.floor_to_i32();
         let k = lod - level.to_f32();
         if packed {
-            let light = self.between::<I, SQUARE, true>(i, words, level, k, face, u, v);
+            let light = self
+                .table
+                .between::<I, SQUARE, Steps>(i, words, level, k, face, u, v);
             [light[0] * UNIT, light[1] * UNIT, light[2] * UNIT]
         } else {
-            self.between::<I, SQUARE, false>(i, words, level, k, face, u, v)
+            self.table
+                .between::<I, SQUARE, Floats>(i, words, level, k, face, u, v)
         }
+    }
+}
+
+impl LevelTable {
+    /// Bilinear on a cube's levels around `lod`. Zero and non-finite directions read as +Z.
+    #[inline(always)]
+    pub(crate) fn level_lanes<I: Isa>(
+        &self,
+        i: I,
+        words: GatherTable<'_>,
+        lod: I::F32,
+        direction: Vector<I>,
+    ) -> Vector<I> {
+        let (d, _) = usable(i, direction);
+        let side = Side::<I>::of(d);
+        let [sc, tc, m] = side.along(d);
+        let per_m = i.f32(0.5) / m;
+        let level = lod.floor_to_i32();
+        let k = lod - level.to_f32();
+        let (u, v) = (sc * per_m + 0.5, tc * per_m + 0.5);
+        self.between::<I, true, SharedExponent>(i, words, level, k, side.face(i), u, v)
     }
 
     /// A level, and `k` of the next; in the units of the texels.
     #[inline(always)]
-    fn between<I: Isa, const SQUARE: bool, const PACKED: bool>(
+    fn between<I: Isa, const SQUARE: bool, T: Texels>(
         &self,
         i: I,
         words: GatherTable<'_>,
@@ -148,7 +157,7 @@ impl Environment {
             } else {
                 self.levels_of::<I, SQUARE>(i, level + next)
             };
-            let light = on_face::<I, PACKED>(i, words, &at, face, u, v);
+            let light = on_face::<I, T>(i, words, &at, face, u, v);
             if next == 1 {
                 for c in 0..3 {
                     let mixed = out[c] * (i.f32(1.0) - k) + light[c] * k;
@@ -167,26 +176,26 @@ impl Environment {
     /// One level in all lanes.
     #[inline(always)]
     fn level<I: Isa>(&self, i: I, level: i32) -> LevelLanes<I> {
-        let (table, level) = (&self.table, level as usize & 15);
+        let level = level as usize & 15;
         LevelLanes {
-            start: i.i32(table.start[level] as i32),
-            width: i.i32(table.width[level] as i32),
-            height: i.i32(table.height[level] as i32),
+            start: i.i32(self.start[level] as i32),
+            width: i.i32(self.width[level] as i32),
+            height: i.i32(self.height[level] as i32),
         }
     }
 
     /// A level in each lane.
     #[inline(always)]
     fn levels_of<I: Isa, const SQUARE: bool>(&self, i: I, level: I::I32) -> LevelLanes<I> {
-        let (table, level) = (&self.table, level.to_u32());
-        let width = i.table16(&table.width, level).to_i32();
+        let level = level.to_u32();
+        let width = i.table16(&self.width, level).to_i32();
         LevelLanes {
-            start: i.table16(&table.start, level).to_i32(),
+            start: i.table16(&self.start, level).to_i32(),
             width,
             height: if SQUARE {
                 width
             } else {
-                i.table16(&table.height, level).to_i32()
+                i.table16(&self.height, level).to_i32()
             },
         }
     }

@@ -55,11 +55,13 @@ mod projector_texture;
 mod punctual;
 pub mod reference;
 mod reflect;
+mod reflection_lobes;
 mod shade;
 mod shadow;
 mod shadow_bounds;
 mod shadow_reader;
 mod share;
+mod shared_exponent;
 mod tone_map;
 mod vector;
 
@@ -86,6 +88,7 @@ pub use projector_texture::{
 };
 pub use punctual::LightCone;
 pub use reflect::ReflectionBox;
+pub use reflection_lobes::{ReflectionLobeLanes, ReflectionLobes, ReflectionLobesLanes};
 pub use shade::{
     illuminate, illuminate_slice, illuminate_two_sided, lighting, lighting_slice,
     shade_with_visibility,

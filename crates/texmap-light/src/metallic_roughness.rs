@@ -9,7 +9,7 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 use crate::lanes::Vector;
 use crate::share::arriving;
 use crate::vector::{add, cross, dot, scale, splat, unit};
-use crate::{EnvironmentLight, Light, albedo};
+use crate::{EnvironmentLight, Light, albedo, reflection_lobes};
 
 /// Least perceptual roughness; lower ones count as this. Lights have no size, and a mirror would not show them.
 pub const MIN_ROUGHNESS: f32 = 0.03;
@@ -267,14 +267,13 @@ impl<I: Isa> ReflectanceLanes<I> {
     #[inline(always)]
     pub fn under_environment(&self, i: I, light: &EnvironmentLight, share: I::F32) -> Vector<I> {
         let irradiance = light.irradiance_lanes(i, self.normal);
-        let mirrored = crate::reflect::reflect(self.view, self.normal);
-        // Wide lobes lean to the normal, where the cosine of the light is greatest.
-        let lean = self.alpha * self.roughness;
-        let mut direction = mirrored;
-        for k in 0..3 {
-            direction[k] = mirrored[k] + (self.normal[k] - mirrored[k]) * lean;
-        }
-        let glossy = light.radiance_lanes(i, self.roughness, direction);
+        let [r, g, b] = self.once;
+        // Matte surfaces have no lobe.
+        let glossy = if r.above(g).above(b).simd_gt(0.0).any_true() {
+            self.glossy(i, light, irradiance)
+        } else {
+            splat(i, [0.0; 3])
+        };
         let coat = match &self.coat {
             Some(coat) => {
                 let mirrored = crate::reflect::reflect(self.view, self.smooth);
@@ -283,6 +282,25 @@ impl<I: Isa> ReflectanceLanes<I> {
             None => glossy,
         };
         scale(self.under_even(i, irradiance, glossy, coat), share)
+    }
+
+    /// Mean light of an environment over the GGX lobe.
+    #[inline(always)]
+    fn glossy(&self, i: I, light: &EnvironmentLight, irradiance: Vector<I>) -> Vector<I> {
+        let mirrored = crate::reflect::reflect(self.view, self.normal);
+        let seen = reflection_lobes::lobes(i, self.roughness, self.nv);
+        let mut glossy = scale(irradiance, seen.diffuse);
+        for lobe in seen.lobes {
+            let mut axis = mirrored;
+            for k in 0..3 {
+                axis[k] = mirrored[k] + (self.normal[k] - mirrored[k]) * lobe.lean;
+            }
+            let light = light.radiance_lanes(i, lobe.roughness, axis);
+            for k in 0..3 {
+                glossy[k] = glossy[k] + light[k] * lobe.weight;
+            }
+        }
+        glossy
     }
 
     /// Radiance towards the eye of diffuse light alone: irradiance over pi, as light maps hold it.

@@ -128,17 +128,24 @@ impl MetallicRoughness {
         .chain(self.occlusion.iter_mut().map(|(slot, _)| slot))
     }
 
-    /// The roughnesses at which it reflects an environment: its own and its clear layer's, all below them where there is a map.
+    /// The roughnesses at which it reflects an environment: those of its lobes and its clear layer's, all where there is a map. A matte
+    /// base, whose reflection has no strength, has none.
     #[must_use]
     pub fn roughnesses(&self) -> Roughnesses {
-        let of = |roughness: f32, map: &Option<TextureSlot>| match map {
-            // Filters with negative weights leave the range of a map.
+        // Filters with negative weights leave the range of a map.
+        let base = match &self.map {
+            _ if self.metallic == 0.0 && self.specular == 0.0 => Roughnesses::NONE,
             Some(_) => Roughnesses::ALL,
-            None => Roughnesses::between(roughness, roughness),
+            None => Roughnesses::of_surface(self.roughness),
         };
-        let coat = self.clearcoat.as_ref();
-        let coat = coat.map(|coat| of(coat.roughness, &coat.roughness_map));
-        of(self.roughness, &self.map) | coat.unwrap_or_default()
+        let coat = self
+            .clearcoat
+            .as_ref()
+            .map(|coat| match coat.roughness_map {
+                Some(_) => Roughnesses::ALL,
+                None => Roughnesses::between(coat.roughness, coat.roughness),
+            });
+        base | coat.unwrap_or_default()
     }
 
     /// True if every number is finite and within its range.
@@ -211,6 +218,30 @@ mod tests {
         assert!((of(6.0, 0.5).roughness - 0.5).abs() < 1e-6 && of(0.0, 0.0).roughness == 1.0);
         assert!(of(198.0, 3.0).roughness < 0.11 && of(198.0, 3.0).specular == 1.0);
         assert!(of(1e9, 0.0).is_valid() && of(0.0, 1e9).is_valid());
+    }
+
+    #[test]
+    fn surfaces_need_the_levels_of_their_lobes_alone() {
+        let matte = MetallicRoughness {
+            specular: 0.0,
+            ..MetallicRoughness::default()
+        };
+        assert_eq!(matte.roughnesses(), Roughnesses::NONE);
+        let metal = MetallicRoughness {
+            metallic: 0.5,
+            ..matte.clone()
+        };
+        assert_eq!(metal.roughnesses(), Roughnesses::of_surface(1.0));
+        let coated = MetallicRoughness {
+            clearcoat: Some(Clearcoat::default()),
+            ..matte
+        };
+        assert_eq!(coated.roughnesses(), Roughnesses::between(0.0, 0.0));
+        let mapped = MetallicRoughness {
+            map: Some(TextureSlot::new(0)),
+            ..MetallicRoughness::default()
+        };
+        assert_eq!(mapped.roughnesses(), Roughnesses::ALL);
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub(crate) struct LevelTable {
 }
 
 impl LevelTable {
-    pub(super) fn new(levels: &[Level]) -> Self {
+    pub(crate) fn new(levels: &[Level]) -> Self {
         let column = |of: fn(&Level) -> u32| {
             let mut column = [0; 16];
             for (out, level) in column.iter_mut().zip(levels) {

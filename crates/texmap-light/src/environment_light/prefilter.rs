@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use texmap_math::simd::{Scalar, prelude::*};
 
 use super::gather::{Kernel, Texels};
+use super::levels::Levels;
 use super::roughnesses::{Roughnesses, STEPS};
 use super::{EnvironmentLight, studio};
 use crate::EnvironmentLayout;
@@ -94,7 +95,8 @@ impl Prefilter {
             Some(made) => made,
             None => self.diffuse(layout, DIFFUSE_SIZE)?,
         };
-        self.around = Some(diffuse.clone());
+        let around = Levels::new(&diffuse, &[]);
+        self.around = Some(diffuse);
         for step in roughnesses.levels() {
             if self.rough[step - 1].is_none() {
                 let roughness = step as f32 / STEPS as f32;
@@ -106,8 +108,8 @@ impl Prefilter {
         for step in roughnesses.levels() {
             levels[step - 1] = self.rough[step - 1].as_ref();
         }
-        let rough = Environment::of_levels(&self.cube, &levels);
-        Ok(EnvironmentLight::of(rough, diffuse, roughnesses))
+        let rough = Levels::new(&self.cube, &levels);
+        Ok(EnvironmentLight::of(rough, around, roughnesses))
     }
 
     /// The environment itself, a cube with mips.

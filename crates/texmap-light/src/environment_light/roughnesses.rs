@@ -5,6 +5,7 @@ use core::ops::BitOr;
 use texmap_math::simd::{F32s, Scalar};
 
 use crate::metallic_roughness::MIN_ROUGHNESS;
+use crate::reflection_lobes::LEAST_FACTOR;
 
 /// Levels of roughness but the first.
 pub(super) const STEPS: usize = 10;
@@ -37,6 +38,14 @@ impl Roughnesses {
         let last = below + usize::from(high > below as f32);
         let levels = (first.max(1)..=last).fold(0, |levels, level| levels | (1 << (level - 1)));
         Self { levels }
+    }
+
+    /// Those of the lobes by which a surface of a perceptual roughness reflects: see
+    /// [`ReflectionLobes`](crate::ReflectionLobes).
+    #[must_use]
+    pub fn of_surface(roughness: f32) -> Self {
+        let roughness = F32s::<Scalar>::clamp(roughness, MIN_ROUGHNESS, 1.0);
+        Self::between(roughness * LEAST_FACTOR, roughness)
     }
 
     /// True if every roughness of `others` is one of these, or lies between levels of these.

@@ -4,7 +4,22 @@ use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::lanes::Vector;
-use crate::packed::unpack;
+use crate::{packed, shared_exponent};
+
+/// A form in which texels are stored.
+pub(crate) trait Texels {
+    /// A texel and the one to its right, in the units of the texels.
+    fn two<I: Isa>(i: I, words: GatherTable<'_>, at: I::I32) -> [Vector<I>; 2];
+}
+
+/// Three floats.
+pub(crate) struct Floats;
+
+/// The words of [`packed`].
+pub(crate) struct Steps;
+
+/// The words of [`shared_exponent`].
+pub(crate) struct SharedExponent;
 
 /// Start of the texels of a level, and size of its faces.
 pub(super) struct LevelLanes<I: Isa> {
@@ -15,7 +30,7 @@ pub(super) struct LevelLanes<I: Isa> {
 
 /// Four texels of a face, weighted; in the units of the texels.
 #[inline(always)]
-pub(super) fn on_face<I: Isa, const PACKED: bool>(
+pub(super) fn on_face<I: Isa, T: Texels>(
     i: I,
     words: GatherTable<'_>,
     level: &LevelLanes<I>,
@@ -28,12 +43,12 @@ pub(super) fn on_face<I: Isa, const PACKED: bool>(
     let stride = level.width + 2;
     let first = level.start + (face * (level.height + 2) + y) * stride + x;
     let (a1, b1) = (i.f32(1.0) - a, i.f32(1.0) - b);
-    let [p, q] = two::<I, PACKED>(i, words, first);
+    let [p, q] = T::two(i, words, first);
     let mut top = p;
     for k in 0..3 {
         top[k] = p[k] * a1 + q[k] * a;
     }
-    let [p, q] = two::<I, PACKED>(i, words, first + stride);
+    let [p, q] = T::two(i, words, first + stride);
     let mut out = top;
     for k in 0..3 {
         let bottom = p[k] * a1 + q[k] * a;
@@ -42,14 +57,30 @@ pub(super) fn on_face<I: Isa, const PACKED: bool>(
     out
 }
 
-/// A texel and the one to its right.
-#[inline(always)]
-fn two<I: Isa, const PACKED: bool>(i: I, words: GatherTable<'_>, at: I::I32) -> [Vector<I>; 2] {
-    if PACKED {
-        let [left, right] = i.gather_pairs(words, at.to_u32());
-        return [unpack(i, left), unpack(i, right)];
+impl Texels for Floats {
+    #[inline(always)]
+    fn two<I: Isa>(i: I, words: GatherTable<'_>, at: I::I32) -> [Vector<I>; 2] {
+        [texel(i, words, at), texel(i, words, at + 1)]
     }
-    [texel(i, words, at), texel(i, words, at + 1)]
+}
+
+impl Texels for Steps {
+    #[inline(always)]
+    fn two<I: Isa>(i: I, words: GatherTable<'_>, at: I::I32) -> [Vector<I>; 2] {
+        let [left, right] = i.gather_pairs(words, at.to_u32());
+        [packed::unpack(i, left), packed::unpack(i, right)]
+    }
+}
+
+impl Texels for SharedExponent {
+    #[inline(always)]
+    fn two<I: Isa>(i: I, words: GatherTable<'_>, at: I::I32) -> [Vector<I>; 2] {
+        let [left, right] = i.gather_pairs(words, at.to_u32());
+        [
+            shared_exponent::unpack(i, left),
+            shared_exponent::unpack(i, right),
+        ]
+    }
 }
 
 #[inline(always)]

@@ -7,7 +7,9 @@ use std::sync::OnceLock;
 
 use texmap_light::lanes::{ClearcoatLanes, SheenLanes};
 use texmap_light::reference::metallic_roughness::{GgxAlbedo, Reflectance, SheenAlbedo};
-use texmap_light::{EnvironmentLight, Light, MIN_ROUGHNESS, MetallicRoughnessSurface};
+use texmap_light::{
+    EnvironmentLight, Light, MIN_ROUGHNESS, MetallicRoughnessSurface, ReflectionLobes,
+};
 use texmap_math::glam::DVec3;
 use texmap_scene::{Mesh, MetallicRoughness, ProjectorMode, TextureSlot};
 
@@ -228,9 +230,12 @@ fn under_environment(
     let mirrored = |n: DVec3| 2.0 * n.dot(view) * n - view;
     let roughness = numbers.roughness.max(MIN_ROUGHNESS);
     let irradiance = wide(light.irradiance(narrow(normal)));
-    // Wide lobes lean to the normal, where the cosine of the light is greatest.
-    let lean = f64::from(roughness).powi(3);
-    let glossy = wide(light.radiance(roughness, narrow(mirrored(normal).lerp(normal, lean))));
+    let seen = ReflectionLobes::new(roughness, normal.dot(view) as f32);
+    let mut glossy = irradiance * f64::from(seen.diffuse);
+    for lobe in seen.lobes {
+        let axis = mirrored(normal).lerp(normal, lobe.lean.into());
+        glossy += wide(light.radiance(lobe.roughness, narrow(axis))) * f64::from(lobe.weight);
+    }
     let coating = numbers.clearcoat.map_or(glossy, |coat| {
         let roughness = coat.roughness.max(MIN_ROUGHNESS);
         wide(light.radiance(roughness, narrow(mirrored(smooth))))
