@@ -1,7 +1,7 @@
 //! llvmpipe's side of `pbr`: metallic-roughness under an environment gathered by lobes and two lights, by texmap's formulas.
 //!
-//! The sources of the formulas stand in `texmap-light`. The shader reads texmap's own sums of the environment (levels of roughness 0.3
-//! and 0.4, the diffuse one) and its table of the split sum, so that only look-ups and arithmetic differ.
+//! The sources of the formulas stand in `texmap-light`. The shader reads texmap's own sums of the environment (three levels of roughness,
+//! the diffuse one), its table of the split sum and its lobes, so that only look-ups and arithmetic differ.
 
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -12,7 +12,7 @@ use glow::HasContext as _;
 use texmap_benches::bench_scenes::{
     METALLIC, METALLIC_LIGHT, METALLIC_LIGHTS, METALLIC_SUN, ROUGHNESS, metallic_environment,
 };
-use texmap_light::{EnvironmentLayout, split_sum};
+use texmap_light::{EnvironmentLayout, ReflectionLobes, split_sum};
 use texmap_math::glam::DVec2;
 use texmap_scene::ColorMode;
 
@@ -20,7 +20,7 @@ use crate::effects::{VERTEX, bind, vector};
 use crate::gl::program_of;
 
 const FRAGMENT: &str = "#version 330 core
-uniform sampler2D base, sums; uniform samplerCube diffuse, low, high;
+uniform sampler2D base, sums, lobes; uniform samplerCube diffuse, low, middle, high; uniform float first;
 uniform vec3 light, sun, eye, color; uniform vec2 mean, surface;
 in vec3 P, N; in vec2 t; out vec4 colour;
 float metal, rough, alpha, lost;
@@ -51,10 +51,17 @@ void main() {
   body = b * (1.0 - metal) * (1.0 - (0.04 * s.x + s.y + more * missing));
   f0 = mix(vec3(0.04), b, metal);
   again = mix(vec3(more), vec3(share(b.r), share(b.g), share(b.b)), metal) * missing;
-  vec3 way = mix(reflect(-v, n), n, alpha * rough);
-  float level = rough * 10.0;
-  vec3 glossy = mix(texture(low, way).rgb, texture(high, way).rgb, level - floor(level));
-  vec3 even = texture(diffuse, n).rgb;
+  vec3 even = textureLod(diffuse, n, 0.0).rgb, mirrored = reflect(-v, n), glossy = vec3(0.0);
+  float whole = 1.0;
+  for (int k = 0; k < 3; k++) {
+    vec3 lobe = textureLod(lobes, vec2((sqrt(nv) * 63.0 + 0.5) / 64.0, (float(k) + 0.5) / 64.0), 0.0).rgb;
+    vec3 way = mirrored + (n - mirrored) * lobe.x, near = textureLod(middle, way, 0.0).rgb;
+    float level = lobe.y * 10.0 - first;
+    vec3 light = level < 1.0 ? mix(textureLod(low, way, 0.0).rgb, near, level) : mix(near, textureLod(high, way, 0.0).rgb, level - 1.0);
+    glossy += light * lobe.z;
+    whole -= lobe.z;
+  }
+  glossy += even * whole;
   vec3 c = even * (body + again) + glossy * (f0 * s.x + s.y);
   colour = vec4(c + color * (lit(normalize(light - P)) + lit(sun)), 1.0);
 }";
@@ -64,16 +71,18 @@ const SIDE: usize = 128;
 /// Steps of roughness and of the cosine's square root in the table of the split sum.
 const STEPS: usize = 64;
 
-/// The program and its textures: the diffuse sum, those of both levels, the table of the split sum.
+/// The program and its textures: the diffuse sum, those of three levels, the table of the split sum, the lobes.
 pub(crate) struct Metallic {
     program: glow::Program,
-    textures: [glow::Texture; 4],
+    textures: [glow::Texture; 6],
 }
 
 impl Metallic {
     pub(crate) unsafe fn new(gl: &glow::Context, color: ColorMode) -> Result<Self, String> {
         let light = metallic_environment(color).ok_or("there is no environment")?;
-        let level = (ROUGHNESS * 10.0).floor() / 10.0;
+        // The least roughness of a lobe is 0.7 of the surface's.
+        let first = (7.0 * ROUGHNESS).floor();
+        let level = |k: f32| (first + k) / 10.0;
         unsafe {
             let program = program_of(gl, VERTEX, FRAGMENT)?;
             let cube = |radiance: &dyn Fn([f32; 3]) -> [f32; 3]| {
@@ -91,18 +100,37 @@ impl Metallic {
             };
             let textures = [
                 cube(&|normal| light.irradiance(normal))?,
-                cube(&|way| light.radiance(level, way))?,
-                cube(&|way| light.radiance(level + 0.1, way))?,
+                cube(&|way| light.radiance(level(0.0), way))?,
+                cube(&|way| light.radiance(level(1.0), way))?,
+                cube(&|way| light.radiance(level(2.0), way))?,
+                gl.create_texture()?,
                 gl.create_texture()?,
             ];
-            gl.bind_texture(glow::TEXTURE_2D, Some(textures[3]));
+            gl.bind_texture(glow::TEXTURE_2D, Some(textures[4]));
             let at = |k: usize| k as f32 / (STEPS - 1) as f32;
             let table: Vec<f32> = (0..STEPS * STEPS)
                 .flat_map(|k| split_sum(at(k / STEPS), at(k % STEPS).powi(2)))
                 .collect();
             floats(gl, (glow::TEXTURE_2D, glow::RG16, glow::RG), STEPS, &table);
             gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
+            gl.bind_texture(glow::TEXTURE_2D, Some(textures[5]));
+            let lobes: Vec<f32> = (0..STEPS * STEPS)
+                .flat_map(|k| {
+                    let seen = ReflectionLobes::new(ROUGHNESS, at(k % STEPS).powi(2));
+                    let lobe = seen.lobes[(k / STEPS).min(2)];
+                    [lobe.lean, lobe.roughness, lobe.weight]
+                })
+                .collect();
+            floats(
+                gl,
+                (glow::TEXTURE_2D, glow::RGB32F, glow::RGB),
+                STEPS,
+                &lobes,
+            );
+            gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
             gl.use_program(Some(program));
+            let at = gl.get_uniform_location(program, "first");
+            gl.uniform_1_f32(at.as_ref(), first);
             let pair = |name: &str, [x, y]: [f32; 2]| {
                 let at = gl.get_uniform_location(program, name);
                 gl.uniform_2_f32(at.as_ref(), x, y);
@@ -124,14 +152,16 @@ impl Metallic {
         clamped: glow::Sampler,
     ) -> glow::Program {
         let (program, cube, two) = (self.program, glow::TEXTURE_CUBE_MAP, glow::TEXTURE_2D);
-        let [diffuse, low, high, sums] = self.textures;
+        let [diffuse, low, middle, high, sums, lobes] = self.textures;
         unsafe {
             gl.use_program(Some(program));
             bind(gl, program, 0, "base", (two, base), trilinear);
             bind(gl, program, 1, "sums", (two, sums), clamped);
             bind(gl, program, 2, "diffuse", (cube, diffuse), clamped);
             bind(gl, program, 3, "low", (cube, low), clamped);
-            bind(gl, program, 4, "high", (cube, high), clamped);
+            bind(gl, program, 4, "middle", (cube, middle), clamped);
+            bind(gl, program, 5, "high", (cube, high), clamped);
+            bind(gl, program, 6, "lobes", (two, lobes), clamped);
         }
         program
     }
