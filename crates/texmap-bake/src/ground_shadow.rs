@@ -2,10 +2,10 @@
 
 mod sky;
 
-use rayon::prelude::*;
 use texmap_light::Roughnesses;
 use texmap_math::camera::{Camera, Lens};
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::parallel;
 use texmap_render::{RenderError, RenderSettings, no_progress, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Texture2d};
 use texmap_scene::{AlphaMode, Material, Mesh, Scene, SceneError, Shading, TextureSlot};
@@ -124,8 +124,8 @@ impl GroundShadow {
         for (direction, weight) in sky.iter().filter(|(_, weight)| *weight > 0.0) {
             let outline = Outline::new(&mut caster, &place, *direction)?;
             let share = weight / all;
-            let rows = lost.par_chunks_mut(SIDE as usize).enumerate();
-            rows.for_each(|(y, row)| {
+            let rows = lost.chunks_mut(SIDE as usize).enumerate();
+            parallel::for_each(rows, |(y, row)| {
                 for (lost, x) in row.iter_mut().zip(0..) {
                     *lost += share * outline.opacity(place.texel(x, y as u32) - place.middle);
                 }

@@ -1,9 +1,9 @@
 //! Light maps: direct light with shadows, baked onto the second uv set of a mesh.
 
-use rayon::prelude::*;
 use texmap_light::{PhongMaterial, ShadowBias, ShadowMap, SpecularModel, shade_with_visibility};
 use texmap_math::MemoryBudget;
 use texmap_math::glam::DVec3;
+use texmap_math::parallel;
 use texmap_math::progress::{Progress, Steps, no_progress};
 use texmap_raster::{Atlas, AtlasMesh, AtlasOptions, Coverage, RasterError, TargetSize};
 use texmap_sample::Origin;
@@ -128,7 +128,7 @@ impl<'s> Baker<'s> {
             AtlasOptions {
                 conservative: true,
                 gutter: options.gutter,
-                threads: rayon::current_num_threads(),
+                threads: parallel::threads(),
                 memory: MemoryBudget::of_process(),
             },
             progress,
@@ -161,44 +161,40 @@ impl<'s> Baker<'s> {
         )?;
         let mut texels = vec![[0.0; 3]; atlas.face.len()];
         let steps = Steps::new(progress, width);
-        texels
-            .par_chunks_mut(width)
-            .enumerate()
-            .for_each(|(row, out)| {
-                if steps.is_cancelled() {
-                    return;
+        parallel::for_each(texels.chunks_mut(width).enumerate(), |(row, out)| {
+            if steps.is_cancelled() {
+                return;
+            }
+            for (x, texel) in out.iter_mut().enumerate() {
+                let at = row * width + x;
+                if atlas.coverage[at] == Coverage::None {
+                    continue;
                 }
-                for (x, texel) in out.iter_mut().enumerate() {
-                    let at = row * width + x;
-                    if atlas.coverage[at] == Coverage::None {
-                        continue;
+                let (point, normal) = (atlas.position[at], atlas.normal[at]);
+                let plane = flat[atlas.face[at] as usize];
+                let received = |light: usize| {
+                    let light = numbers[light];
+                    let mut share = 1.0;
+                    for (_, map, bias, pcf_size) in options.shadows.iter().filter(|s| s.0 == light)
+                    {
+                        let point = DVec3::from(point.map(f64::from));
+                        share *= map.visibility(point, plane, *bias, *pcf_size);
                     }
-                    let (point, normal) = (atlas.position[at], atlas.normal[at]);
-                    let plane = flat[atlas.face[at] as usize];
-                    let received = |light: usize| {
-                        let light = numbers[light];
-                        let mut share = 1.0;
-                        for (_, map, bias, pcf_size) in
-                            options.shadows.iter().filter(|s| s.0 == light)
-                        {
-                            let point = DVec3::from(point.map(f64::from));
-                            share *= map.visibility(point, plane, *bias, *pcf_size);
-                        }
-                        [share; 3]
-                    };
-                    *texel = shade_with_visibility(
-                        &matte,
-                        SpecularModel::Phong,
-                        &lights,
-                        point,
-                        normal,
-                        eye,
-                        received,
-                    )
-                    .diffuse;
-                }
-                steps.step();
-            });
+                    [share; 3]
+                };
+                *texel = shade_with_visibility(
+                    &matte,
+                    SpecularModel::Phong,
+                    &lights,
+                    point,
+                    normal,
+                    eye,
+                    received,
+                )
+                .diffuse;
+            }
+            steps.step();
+        });
         if steps.is_cancelled() {
             return Err(RenderError::Cancelled);
         }

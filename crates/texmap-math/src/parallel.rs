@@ -6,7 +6,7 @@
 use alloc::vec::Vec;
 
 /// Elements that a thread takes at once.
-pub const PIECE: usize = 1 << 13;
+pub const PIECE: usize = 1 << 12;
 
 /// Calls `work` with each item. They are begun in order, each by the next thread that is free.
 pub fn for_each<I: ExactSizeIterator + Send>(items: I, work: impl Fn(I::Item) + Sync) {
@@ -36,6 +36,37 @@ pub fn map<I: ExactSizeIterator + Send, R: Send>(
         *result = Some(work(item));
     });
     results.into_iter().flatten().collect()
+}
+
+/// Calls `work` with each item until one fails: the failure of the first item that does.
+///
+/// # Errors
+/// Those of `work`.
+pub fn try_for_each<I: ExactSizeIterator + Send, E: Send>(
+    items: I,
+    work: impl Fn(I::Item) -> Result<(), E> + Sync,
+) -> Result<(), E> {
+    #[cfg(feature = "rayon")]
+    {
+        use core::sync::atomic::{AtomicUsize, Ordering};
+
+        // Those before an item that fails are done all the same: one of them may fail too.
+        let failed = AtomicUsize::new(usize::MAX);
+        let done = map(items.enumerate(), |(number, item)| {
+            if number > failed.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            work(item).inspect_err(|_| {
+                failed.fetch_min(number, Ordering::Relaxed);
+            })
+        });
+        done.into_iter().collect()
+    }
+    #[cfg(not(feature = "rayon"))]
+    {
+        let mut items = items;
+        items.try_for_each(work)
+    }
 }
 
 /// The list of `value(i)` for each `i` below `count`; `empty` is what it holds before.
@@ -95,6 +126,16 @@ pub fn within<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     join(work, || ()).0
 }
 
+/// Number of threads that share the work.
+pub fn threads() -> usize {
+    #[cfg(feature = "rayon")]
+    {
+        rayon::current_num_threads()
+    }
+    #[cfg(not(feature = "rayon"))]
+    1
+}
+
 /// Calls `work` so many times.
 #[cfg(feature = "rayon")]
 fn run(count: usize, work: &(dyn Fn() + Sync)) {
@@ -129,6 +170,14 @@ mod tests {
             assert_eq!(list(count, 0, |i| i * i), plain);
         }
         assert_eq!(join(|| within(|| 1), || "b"), (1, "b"));
+    }
+
+    #[test]
+    fn the_first_failure_is_told() {
+        for bad in [0, 1, 5, 60] {
+            let work = |i: usize| if i < bad { Ok(()) } else { Err(i) };
+            assert_eq!(try_for_each(0..60, work), work(bad.min(59)));
+        }
     }
 
     #[test]

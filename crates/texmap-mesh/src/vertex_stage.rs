@@ -1,13 +1,10 @@
 //! The vertex stage: a function of the user's over all vertices of a mesh.
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 
 use crate::MeshError;
 use texmap_scene::Mesh;
 use texmap_scene::SceneError;
-
-/// Vertices that one thread takes at a time; no result depends on it.
-const CHUNK: usize = 1024;
 
 /// A vertex as a vertex function reads and returns it, in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,11 +49,8 @@ pub fn map_vertices(
     mesh: &Mesh,
     stage: impl Fn(u32, MeshVertex) -> MeshVertex + Sync,
 ) -> Result<Mesh, MeshError> {
-    let numbers: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    let run = |chunk: &[u32]| -> Vec<MeshVertex> {
-        chunk.iter().map(|v| stage(*v, vertex(mesh, *v))).collect()
-    };
-    let staged: Vec<MeshVertex> = numbers.par_chunks(CHUNK).flat_map_iter(run).collect();
+    let run = |v: usize| stage(v as u32, vertex(mesh, v as u32));
+    let staged = parallel::list(mesh.positions.len(), MeshVertex::default(), run);
     if let Some(v) = staged.iter().position(|v| !v.is_finite()) {
         return Err(SceneError::Value {
             place: format!("mesh '{}' vertex {v}", mesh.name),

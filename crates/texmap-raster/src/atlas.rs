@@ -89,7 +89,7 @@ struct Bands<'a> {
 }
 
 impl Bands<'_> {
-    fn for_all<T: Send>(self, bands: Vec<T>, fill: impl Fn(T) + Sync + Send) {
+    fn for_all<T: Send>(self, bands: Vec<T>, fill: impl Fn(T) + Sync) {
         for_all(self.threads, bands, |band| {
             if !self.steps.is_cancelled() {
                 fill(band);

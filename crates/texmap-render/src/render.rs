@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use rayon::prelude::*;
+use texmap_math::parallel;
 use texmap_math::progress::{Progress, Steps};
 use texmap_raster::{BinnedDraws, DrawCall, SAMPLES_4, TILE, TargetSize};
 
@@ -232,7 +233,7 @@ impl<'s> Renderer<'s> {
         multisampled: bool,
     ) -> Result<BinnedDraws<'p>, RenderError> {
         let level = self.settings.level;
-        let threads = rayon::current_num_threads();
+        let threads = parallel::threads();
         let prepared = TargetSize::new(width, height).and_then(|size| {
             if multisampled {
                 BinnedDraws::with_samples(size, draws, level, threads)
@@ -294,7 +295,7 @@ impl<'s> Renderer<'s> {
 /// wake and await the pool if it came from outside.
 fn on_pool<R: Send>(pool: Option<&rayon::ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
     match pool {
-        None => rayon::scope(|_| work()),
+        None => parallel::within(work),
         Some(pool) => pool.install(work),
     }
 }

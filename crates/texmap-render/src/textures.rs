@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 use texmap_sample::{Filter, Origin, Texture2d};
 use texmap_scene::{Background, ColorMode, Scene, Shading, TextureSlot};
 use texmap_shade::Slot;
@@ -51,14 +51,14 @@ impl Chains {
                 read.push(filter);
             }
         }
-        let textures = scene.textures.par_iter().zip(read);
-        let made = textures.map(|(texture, read)| {
+        let textures = scene.textures.iter().zip(read);
+        let made = parallel::map(textures, |(texture, read)| {
             let prepared =
                 |texture: Texture2d<'static>, filter: &Filter| texture.prepared_for(*filter);
             (!read.is_empty()).then(|| read.iter().fold(texture.clone(), prepared))
         });
         Ok(Self {
-            made: made.collect(),
+            made,
             codes: codes(scene, settings)?,
         })
     }

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use rayon::prelude::*;
 use texmap_math::narrow;
+use texmap_math::parallel;
 use texmap_math::wide;
 
 use texmap_light::{Lighting, PhongMaterial, lighting, reflect};
@@ -146,8 +146,8 @@ impl Vertices {
         };
         let mut attributes = vec![0.0; positions.len() * self.attribute_count];
         if self.attribute_count > 0 {
-            let blocks = attributes.par_chunks_mut(VERTICES * self.attribute_count);
-            blocks.enumerate().for_each(|(block, values)| {
+            let blocks = attributes.chunks_mut(VERTICES * self.attribute_count);
+            parallel::for_each(blocks.enumerate(), |(block, values)| {
                 let vertices = values.chunks_exact_mut(self.attribute_count);
                 for (vertex, values) in (block * VERTICES..).zip(vertices) {
                     source.fill(&self.groups, vertex, lit, values);

@@ -1,6 +1,6 @@
 //! Structural similarity of two images: do they show the same structures, whatever their mean difference.
 
-use rayon::prelude::*;
+use texmap_math::parallel;
 
 use crate::metrics::Shape;
 
@@ -44,15 +44,12 @@ pub fn ssim(
     // Equal images of nothing but 0 are alike too.
     let range = if peak > 0.0 { peak } else { 1.0 };
     let windows = height - (WINDOW - 1);
-    let bands: Vec<(f64, u64)> = (0..channels * windows.div_ceil(BAND))
-        .into_par_iter()
-        .map(|i| {
-            let (channel, first) = (i % channels, i / channels * BAND);
-            let rows = first..windows.min(first + BAND);
-            let at = |x: usize, y: usize| pair((y * width + x) * shape.channels + channel);
-            band(width, rows, range, at)
-        })
-        .collect();
+    let bands = parallel::map(0..channels * windows.div_ceil(BAND), |i| {
+        let (channel, first) = (i % channels, i / channels * BAND);
+        let rows = first..windows.min(first + BAND);
+        let at = |x: usize, y: usize| pair((y * width + x) * shape.channels + channel);
+        band(width, rows, range, at)
+    });
     let (sum, count) = bands
         .iter()
         .fold((0.0, 0), |(sum, count), (s, c)| (sum + s, count + c));

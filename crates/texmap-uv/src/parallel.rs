@@ -4,35 +4,22 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use texmap_math::parallel;
+pub(crate) use texmap_math::parallel::join;
+
 /// Items per chunk.
 const CHUNK: usize = 4096;
 
-fn chunks(count: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..count.div_ceil(CHUNK)).map(move |k| k * CHUNK..((k + 1) * CHUNK).min(count))
-}
-
 /// The results of `work` on each chunk of `0..count`, in order.
-pub(crate) fn map_chunks<T: Send>(
-    count: usize,
-    work: impl Fn(Range<usize>) -> T + Sync + Send,
-) -> Vec<T> {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        chunks(count)
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .map(work)
-            .collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    chunks(count).map(work).collect()
+pub(crate) fn map_chunks<T: Send>(count: usize, work: impl Fn(Range<usize>) -> T + Sync) -> Vec<T> {
+    let chunk = |k: usize| k * CHUNK..((k + 1) * CHUNK).min(count);
+    parallel::map((0..count.div_ceil(CHUNK)).map(chunk), work)
 }
 
 /// As [`map_chunks`], the chunks' lists joined.
 pub(crate) fn collect_chunks<T: Send>(
     count: usize,
-    work: impl Fn(Range<usize>) -> Vec<T> + Sync + Send,
+    work: impl Fn(Range<usize>) -> Vec<T> + Sync,
 ) -> Vec<T> {
     concat(map_chunks(count, work).into_iter())
 }
@@ -43,17 +30,4 @@ pub(crate) fn concat<T>(lists: impl Iterator<Item = Vec<T>>) -> Vec<T> {
     let mut out = Vec::with_capacity(lists.iter().map(Vec::len).sum());
     lists.into_iter().for_each(|mut list| out.append(&mut list));
     out
-}
-
-/// Two pieces of work, side by side if there are threads.
-pub(crate) fn join<A: Send, B: Send>(
-    a: impl FnOnce() -> A + Send,
-    b: impl FnOnce() -> B + Send,
-) -> (A, B) {
-    #[cfg(feature = "rayon")]
-    {
-        rayon::join(a, b)
-    }
-    #[cfg(not(feature = "rayon"))]
-    (a(), b())
 }

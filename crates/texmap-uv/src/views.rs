@@ -2,8 +2,8 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use texmap_math::float;
 use texmap_math::glam::{DMat3, DVec2, DVec3};
+use texmap_math::{float, parallel};
 
 use crate::mesh::{Mesh, length, unit_or_zero};
 use crate::topology::{Topology, edge_length};
@@ -35,7 +35,7 @@ pub(crate) fn seen(mesh: &Mesh<'_>, topology: &Topology, edges: &[usize]) -> f64
         .filter(|d| matches!(d.dot(*d) as u32, 1 | 3))
         .map(unit_or_zero)
         .collect();
-    let shares: Vec<f64> = each_view(&directions, |direction| {
+    let shares = parallel::map(directions.iter().copied(), |direction| {
         let mut view = View::new(centre, radius, direction, SIZE);
         while view.size > 8 && view.pixels(mesh, topology, edges) > PIXELS {
             view = View::new(centre, radius, direction, view.size / 2);
@@ -50,16 +50,6 @@ pub(crate) fn seen(mesh: &Mesh<'_>, topology: &Topology, edges: &[usize]) -> f64
             / total
     });
     shares.iter().sum::<f64>() / shares.len() as f64
-}
-
-fn each_view(directions: &[DVec3], work: impl Fn(DVec3) -> f64 + Sync + Send) -> Vec<f64> {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        directions.par_iter().map(|d| work(*d)).collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    directions.iter().map(|d| work(*d)).collect()
 }
 
 struct View {

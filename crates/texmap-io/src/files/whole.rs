@@ -22,10 +22,9 @@ pub(super) fn read_at_once(file: File, size: u64) -> io::Result<Vec<u8>> {
     // The system zeroes memory pages at the first write to each, which is most of the time of reading.
     let mut bytes = vec![0; size as usize];
     let pieces = bytes.chunks_mut(LARGE as usize).enumerate();
-    let read = texmap_math::parallel::map(pieces, |(number, piece)| {
+    texmap_math::parallel::try_for_each(pieces, |(number, piece)| {
         file.read_exact_at(piece, number as u64 * LARGE)
-    });
-    read.into_iter().collect::<io::Result<()>>()?;
+    })?;
     Ok(bytes)
 }
 

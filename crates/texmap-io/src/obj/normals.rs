@@ -141,7 +141,7 @@ impl Smooth {
         let count = obj.positions.len();
         let (mut groups, mut means) = (vec![0; count], vec![[0.0; 3]; count]);
         let mut sums = vec![[0.0; 3]; count];
-        let threads = rayon::current_num_threads().min(MOST_RANGES);
+        let threads = parallel::threads().min(MOST_RANGES);
         let side = count.div_ceil(threads).max(1);
         let ranges = groups.chunks_mut(side).zip(sums.chunks_mut(side));
         let ranges = ranges.zip(means.chunks_mut(side)).enumerate();

@@ -1,7 +1,7 @@
 //! The front end: transform, clip, cull, snap, bin.
 use alloc::vec::Vec;
 
-use texmap_math::{Level, MemoryBudget};
+use texmap_math::{Level, MemoryBudget, parallel};
 
 use crate::coverage::edge::{PixelBox, Snapped, area, edges, seen_from, snap};
 use crate::front_end::arrays::Arrays;
@@ -398,39 +398,18 @@ pub(crate) fn best_level() -> Level {
 }
 
 /// `f` of each item, in order, on the current rayon pool where there is one.
-#[cfg(feature = "rayon")]
-fn map_all<T: Send, R: Send>(
-    threads: usize,
-    work: Vec<T>,
-    f: impl Fn(T) -> R + Sync + Send,
-) -> Vec<R> {
-    use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-    if threads > 1 {
-        // Items are large and unlike each other: one that is not begun can be taken by a thread that has none.
-        work.into_par_iter().with_max_len(1).map(f).collect()
-    } else {
-        work.into_iter().map(f).collect()
+fn map_all<T: Send, R: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) -> R + Sync) -> Vec<R> {
+    match threads > 1 {
+        true => parallel::map(work.into_iter(), f),
+        false => work.into_iter().map(f).collect(),
     }
 }
 
-#[cfg(not(feature = "rayon"))]
-fn map_all<T, R>(_threads: usize, work: Vec<T>, f: impl Fn(T) -> R) -> Vec<R> {
-    work.into_iter().map(f).collect()
-}
-
-#[cfg(feature = "rayon")]
-pub(crate) fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync + Send) {
-    use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-    if threads > 1 {
-        work.into_par_iter().with_max_len(1).for_each(f);
-    } else {
-        work.into_iter().for_each(f);
+pub(crate) fn for_all<T: Send>(threads: usize, work: Vec<T>, f: impl Fn(T) + Sync) {
+    match threads > 1 {
+        true => parallel::for_each(work.into_iter(), f),
+        false => work.into_iter().for_each(f),
     }
-}
-
-#[cfg(not(feature = "rayon"))]
-pub(crate) fn for_all<T>(_threads: usize, work: Vec<T>, f: impl Fn(T)) {
-    work.into_iter().for_each(f);
 }
 
 #[cfg(test)]

@@ -29,8 +29,8 @@ mod visible;
 mod volume;
 mod world;
 
-use rayon::prelude::*;
 use texmap_math::glam::{DVec3, DVec4};
+use texmap_math::parallel;
 use texmap_scene::{ColorMode, Mesh, Scene, Shading, ToneMapping};
 
 use crate::TruthError;
@@ -167,10 +167,14 @@ fn computed(
     let samples = samples.max(1);
     let mut world = World::new(scene, (width, height), samples)?;
     world.traces = traces;
-    let pixels: Vec<Pixel> = (0..width * height)
-        .into_par_iter()
-        .map(|i| pixel(&world, i % width, i / width, samples))
-        .collect();
+    let mut pixels = Vec::new();
+    pixels.resize_with(width as usize * height as usize, Pixel::default);
+    let rows = pixels.chunks_mut(width.max(1) as usize).zip(0..height);
+    parallel::for_each(rows, |(row, y)| {
+        for (place, x) in row.iter_mut().zip(0..) {
+            *place = pixel(&world, x, y, samples);
+        }
+    });
     let layers = |pixel: &Pixel| {
         let blended = pixel.centre.blended.iter().map(|(owner, _)| owner.0);
         let solid = pixel.centre.solid.map(|(owner, _)| owner.0);

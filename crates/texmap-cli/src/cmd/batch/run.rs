@@ -5,9 +5,9 @@ use std::io::IsTerminal;
 use std::path::Path;
 use std::time::Instant;
 
-use rayon::prelude::*;
 use serde::Serialize;
 use texmap_math::MemoryBudget;
+use texmap_math::parallel;
 
 use crate::cmd::batch::args::BatchArgs;
 use crate::cmd::batch::files::Marks;
@@ -110,14 +110,12 @@ fn complete(
         .filter_map(|o| Path::new(o).parent())
         .collect();
     folders.into_iter().for_each(sweep);
-    units
-        .par_iter()
-        .filter_map(|(at, unit)| {
-            let hash = plan.hash_of_settings(unit);
-            let record = state.complete(&unit.id, &plan.output(unit), &hash, marks)?;
-            Some((*at, record))
-        })
-        .collect()
+    let complete = parallel::map(units.iter(), |(at, unit)| {
+        let hash = plan.hash_of_settings(unit);
+        let record = state.complete(&unit.id, &plan.output(unit), &hash, marks)?;
+        Some((*at, record))
+    });
+    complete.into_iter().flatten().collect()
 }
 
 /// Processes, threads and memory of a run of so many units.

@@ -9,8 +9,8 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use rayon::prelude::*;
 use serde::Serialize;
+use texmap_math::parallel;
 
 use crate::cmd::batch::files::FileMark;
 use crate::cmd::batch::plan::STATE;
@@ -66,8 +66,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<Exit, Failure> {
         .flat_map(|report| report.records.iter().map(move |record| (report, record)))
         .collect();
     // Everything is read before anything is written.
-    all.par_iter()
-        .try_for_each(|(report, record)| verify(report, record))?;
+    parallel::try_for_each(all.iter(), |(report, record)| verify(report, record))?;
     let (bands, plain): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, r)| r.band.is_some());
     let mut pictures: BTreeMap<&str, Vec<(&Report, &Record)>> = BTreeMap::new();
     for (report, record) in bands {
@@ -96,9 +95,7 @@ pub(crate) fn run(args: &MergeArgs) -> Result<Exit, Failure> {
             .unwrap_or(Path::new(".")),
         false => &args.output,
     };
-    plain
-        .par_iter()
-        .try_for_each(|(report, record)| copy(report, record, base))?;
+    parallel::try_for_each(plain.iter(), |(report, record)| copy(report, record, base))?;
     let mut records: Vec<Record> = plain.iter().map(|(_, record)| (*record).clone()).collect();
     let mut joined = Vec::new();
     for (name, mut parts) in pictures {
