@@ -16,13 +16,19 @@ pub fn write(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), IoError> {
-    try_write(path, write).map_err(|source| IoError::Write {
+    let mut write = Some(write);
+    let mut once = |out: &mut dyn Write| write.take().map_or(Ok(()), |write| write(out));
+    try_write(path, &mut once).map_err(|source| IoError::Write {
         path: path.to_path_buf(),
         source,
     })
 }
 
-fn try_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// Compiled once for all that is written.
+fn try_write(
+    path: &Path,
+    write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     if path.is_dir() {
         return Err(io::Error::new(
             io::ErrorKind::IsADirectory,

@@ -59,17 +59,23 @@ where
     O: AsRef<OsStr>,
     I: AsRef<OsStr>,
 {
-    let identified = |name: &OsStr| Some((Identity::of(Path::new(name))?, name.to_owned()));
+    let mut outputs = outputs.into_iter().map(|name| name.as_ref().to_owned());
+    let mut inputs = inputs.into_iter().map(|name| name.as_ref().to_owned());
+    all_distinct(&mut outputs, &mut inputs)
+}
+
+/// [`distinct`], compiled once for all lists.
+fn all_distinct(
+    outputs: &mut dyn Iterator<Item = OsString>,
+    inputs: &mut dyn Iterator<Item = OsString>,
+) -> Result<(), Failure> {
+    let identified = |name: OsString| Some((Identity::of(Path::new(&name))?, name));
     let inputs: BTreeMap<_, _> = inputs
-        .into_iter()
-        .filter_map(|input| identified(input.as_ref()))
+        .filter_map(identified)
         .filter(|(identity, _)| *identity != Identity::Stdout)
         .collect();
     let mut seen: BTreeMap<Identity, OsString> = BTreeMap::new();
-    for output in outputs {
-        let Some((identity, name)) = identified(output.as_ref()) else {
-            continue;
-        };
+    for (identity, name) in outputs.filter_map(identified) {
         let shown = Path::new(&name).display();
         let named = |other: &OsStr| match other == name {
             true => String::new(),

@@ -53,8 +53,8 @@ impl State {
         settings_hash: &str,
         marks: &Marks,
     ) -> Option<Record> {
-        let text = fs::read(self.marker(id)).ok()?;
-        let marker: Marker = serde_json::from_slice(&text).ok()?;
+        let text = fs::read_to_string(self.marker(id)).ok()?;
+        let marker: Marker = serde_json::from_str(&text).ok()?;
         let record = &marker.record;
         let same = marker.schema == SCHEMA
             && marker.output == output
