@@ -339,11 +339,12 @@ impl Fit {
 /// Gauss elimination of a positive definite system.
 fn solved(mut m: [[f64; PARAMETERS + 1]; PARAMETERS]) -> [f64; PARAMETERS] {
     for k in 0..PARAMETERS {
-        for j in 0..PARAMETERS {
+        let pivot = m[k];
+        for (j, row) in m.iter_mut().enumerate() {
             if j != k {
-                let by = m[j][k] / m[k][k];
-                for c in k..=PARAMETERS {
-                    m[j][c] -= by * m[k][c];
+                let by = row[k] / pivot[k];
+                for (c, p) in row.iter_mut().zip(pivot) {
+                    *c -= by * p;
                 }
             }
         }
