@@ -315,7 +315,9 @@ def test_ctrl_c_ends_a_long_picture(assets, tmp_path):
     import time
 
     script = (
-        "import texmap, sys\n"
+        "import signal, texmap\n"
+        # A suite that a shell started in the background has it ignored.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"s = texmap.load({str(assets / 'models' / 'cow.obj')!r})\n"
         "print('ready', flush=True)\n"
         "while True: s.render(size=(8000, 8000), supersample=2, threads=1)\n"
