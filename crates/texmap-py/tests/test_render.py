@@ -323,11 +323,15 @@ def test_ctrl_c_ends_a_long_picture(assets, tmp_path):
         "while True: s.render(size=(8000, 8000), supersample=2, threads=1)\n"
     )
     child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert child.stdout.readline() == "ready\n"
-    time.sleep(1.0)
-    child.send_signal(signal.SIGINT)
-    _, words = child.communicate(timeout=60)
-    assert "KeyboardInterrupt" in words and child.returncode != 0
+    try:
+        assert child.stdout.readline() == "ready\n"
+        time.sleep(1.0)
+        child.send_signal(signal.SIGINT)
+        _, words = child.communicate(timeout=60)
+        assert "KeyboardInterrupt" in words and child.returncode != 0
+    finally:
+        # One that does not end would take a core for ever.
+        child.kill()
 
 
 def test_threads_of_python_draw_side_by_side(assets):
