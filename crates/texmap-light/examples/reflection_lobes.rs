@@ -343,7 +343,7 @@ fn solved(mut m: [[f64; PARAMETERS + 1]; PARAMETERS]) -> [f64; PARAMETERS] {
         for (j, row) in m.iter_mut().enumerate() {
             if j != k {
                 let by = row[k] / pivot[k];
-                for (c, p) in row.iter_mut().zip(pivot) {
+                for (c, p) in row.iter_mut().zip(pivot).skip(k) {
                     *c -= by * p;
                 }
             }
