@@ -87,8 +87,8 @@ impl<I: Isa> Around<I> {
     }
 
     #[inline(always)]
-    fn mean(&self, [p, q, r, s]: [I::F32; 4]) -> I::F32 {
-        mix::<I>(mix::<I>(p, q, self.x), mix::<I>(r, s, self.x), self.y) * UNIT
+    fn mean(&self, values: [I::F32; 4]) -> I::F32 {
+        bilinear::<I>(values, self.x, self.y) * UNIT
     }
 }
 
@@ -110,8 +110,14 @@ pub(crate) fn high<I: Isa>(word: I::U32) -> I::F32 {
     (word >> 16).to_i32().to_f32()
 }
 
+/// Between four entries of a table: two of a row, and those below.
 #[inline(always)]
-pub(crate) fn mix<I: Isa>(p: I::F32, q: I::F32, k: I::F32) -> I::F32 {
+pub(crate) fn bilinear<I: Isa>([p, q, r, s]: [I::F32; 4], x: I::F32, y: I::F32) -> I::F32 {
+    mix::<I>(mix::<I>(p, q, x), mix::<I>(r, s, x), y)
+}
+
+#[inline(always)]
+fn mix<I: Isa>(p: I::F32, q: I::F32, k: I::F32) -> I::F32 {
     p + (q - p) * k
 }
 

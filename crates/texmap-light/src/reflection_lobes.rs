@@ -10,7 +10,7 @@ mod table;
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::albedo::{high, low, mix, split};
+use crate::albedo::{bilinear, high, low, split};
 
 /// Entries of the table a side.
 const SIDE: usize = 16;
@@ -82,8 +82,8 @@ pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> Reflecti
     }; 3];
     for (k, lobe) in lobes.iter_mut().enumerate() {
         let [p, q, r, s] = around(&table::LOBES[k]);
-        let lean = mean::<I>([low::<I>(p), low::<I>(q), low::<I>(r), low::<I>(s)], x, y);
-        let factor = mean::<I>(
+        let lean = bilinear::<I>([low::<I>(p), low::<I>(q), low::<I>(r), low::<I>(s)], x, y);
+        let factor = bilinear::<I>(
             [high::<I>(p), high::<I>(q), high::<I>(r), high::<I>(s)],
             x,
             y,
@@ -97,15 +97,10 @@ pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> Reflecti
         ];
         lobe.lean = lean * (1.0 / 16384.0) - 2.0;
         lobe.roughness = factor * (1.0 / 32768.0) * roughness;
-        lobe.weight = mean::<I>(weights, x, y) * (1.0 / 1023.0);
+        lobe.weight = bilinear::<I>(weights, x, y) * (1.0 / 1023.0);
         diffuse = diffuse - lobe.weight;
     }
     ReflectionLobesLanes { lobes, diffuse }
-}
-
-#[inline(always)]
-fn mean<I: Isa>([p, q, r, s]: [I::F32; 4], x: I::F32, y: I::F32) -> I::F32 {
-    mix::<I>(mix::<I>(p, q, x), mix::<I>(r, s, x), y)
 }
 
 #[inline(always)]

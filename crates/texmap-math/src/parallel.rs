@@ -1,6 +1,6 @@
 //! Work on all threads of the current rayon pool (feature `rayon`; on the thread that asks without it), the same results on any number.
 //!
-//! Iterators of rayon are compiled anew, some 25 KB, for each closure that they get. Here only thin wrappers are: the pool sees one
+//! Iterators of rayon are compiled again, some 25 KB, for each closure that they get. Here only thin wrappers are: the pool sees one
 //! function, and a piece of work is large enough that a call by pointer costs nothing.
 
 use alloc::vec::Vec;

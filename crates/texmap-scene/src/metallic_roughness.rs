@@ -132,19 +132,19 @@ impl MetallicRoughness {
     /// base, whose reflection has no strength, has none.
     #[must_use]
     pub fn roughnesses(&self) -> Roughnesses {
-        // Filters with negative weights leave the range of a map.
-        let base = match &self.map {
-            _ if self.metallic == 0.0 && self.specular == 0.0 => Roughnesses::NONE,
+        let of = |map: &Option<TextureSlot>, without: Roughnesses| match map {
+            // Filters with negative weights leave the range of a map.
             Some(_) => Roughnesses::ALL,
-            None => Roughnesses::of_surface(self.roughness),
+            None => without,
         };
-        let coat = self
-            .clearcoat
-            .as_ref()
-            .map(|coat| match coat.roughness_map {
-                Some(_) => Roughnesses::ALL,
-                None => Roughnesses::between(coat.roughness, coat.roughness),
-            });
+        let base = match self.metallic == 0.0 && self.specular == 0.0 {
+            true => Roughnesses::NONE,
+            false => of(&self.map, Roughnesses::of_surface(self.roughness)),
+        };
+        let coat = self.clearcoat.as_ref().map(|coat| {
+            let own = Roughnesses::between(coat.roughness, coat.roughness);
+            of(&coat.roughness_map, own)
+        });
         base | coat.unwrap_or_default()
     }
 
