@@ -1,6 +1,7 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
 mod faces;
+mod grazing_facets;
 mod watertight;
 
 use std::sync::Mutex;
@@ -15,6 +16,7 @@ use crate::RenderError;
 use crate::frame_resources::reserve_map;
 use crate::shadow_alpha_test::AlphaTests;
 use faces::views;
+use grazing_facets::GrazingFacets;
 use texmap_scene::{AlphaMode, Scene};
 use watertight::hidden_sides;
 
@@ -33,8 +35,8 @@ pub fn shadow_map(
 }
 
 /// [`shadow_map`] for look-ups with a bias and `taps` x `taps` comparisons: under [`ShadowBias::Planes`] every depth is moved away from
-/// the light by [`caster_reach`](ShadowBias::caster_reach) texels of its triangle's slope, under any other bias it is that of
-/// [`shadow_map`].
+/// the light by [`caster_reach`](ShadowBias::caster_reach) texels of its triangle's slope, and in the strips that the light sees of
+/// triangles almost on edge to their far ends. Under any other bias it is that of [`shadow_map`].
 ///
 /// # Errors
 /// Those of [`shadow_map`].
@@ -96,9 +98,22 @@ pub(crate) fn shadow_map_in(
             .collect();
         let prepared = BinnedDraws::with_level(target, &draws, Level::new(), threads)
             .map_err(|error| RenderError::of_raster(scene, error))?;
+        let grazing = (reach > 0.0).then(|| {
+            let clip_from_world = view.clip_from_world;
+            GrazingFacets::new(
+                &scene.meshes,
+                &draws,
+                clip_from_world,
+                (size, taps),
+                threads,
+            )
+        });
         let mut map = std::mem::take(&mut buffer);
         let alpha = cuts.as_ref().map(|cuts| cuts as &(dyn AlphaTest + Sync));
         prepared.depth_strips(threads, alpha, f32::INFINITY, &mut map, &|mut strip| {
+            if let Some(grazing) = &grazing {
+                grazing.lower(&mut strip);
+            }
             let fine = view.measure(&mut strip, size, reach);
             if !fine {
                 good.store(false, Ordering::Relaxed);

@@ -52,7 +52,7 @@ impl Environment {
     }
 
     /// The texels of level 0 without borders.
-    fn inner_texels(&self) -> impl Iterator<Item = &[f32; 3]> {
+    pub(super) fn inner_texels(&self) -> impl Iterator<Item = &[f32; 3]> {
         let (width, height) = self.size();
         let (w, h) = (width as usize + 2, height as usize + 2);
         let faces = self.texels.chunks_exact(w * h).take(self.layout.faces());

@@ -50,7 +50,7 @@ impl Environment {
             let r = chart.direction(face, centre / sides);
             let [red, green, blue, weights] = gathering.sums(level, r);
             // A lobe narrower than a texel meets none.
-            if weights > 0.0 {
+            if weights > LEAST_WEIGHT {
                 [red, green, blue].map(|c| (c / weights) as f32)
             } else {
                 self.radiance(narrow(r))
@@ -114,6 +114,9 @@ impl Environment {
         }
     }
 }
+
+/// 2^-60: the products of light and smaller weights would lose digits to subnormal numbers.
+const LEAST_WEIGHT: f64 = 8.7e-19;
 
 /// An environment's texels by patches, and the lobe that gathers them.
 struct Gathering {
@@ -320,6 +323,30 @@ mod tests {
                     });
                     let sums = plain.map(|c| c.into_iter().sum::<f32>());
                     assert!(sums[3] > 0.0 && sums.iter().all(|c| c.is_finite()));
+                }
+            }
+        }
+    }
+
+    /// Light gathered by a lobe that meets none of few texels, as their weights are the smallest numbers, is not beyond all light.
+    #[test]
+    fn narrow_lobes_make_no_light() {
+        for layout in EnvironmentLayout::ALL {
+            for height in 1..5 {
+                let mut light = 0.0;
+                let few = Environment::from_fn(layout, height, |_| {
+                    light = (light + 2.7) % 5.0;
+                    [light - 3.8, -3.1, 3.7]
+                });
+                let few = few.unwrap();
+                for exponent in (1..=256).step_by(5) {
+                    let map = few.specular_map(layout, 2, exponent as f32).unwrap();
+                    let found = map.inner_texels().flatten();
+                    let most = found.fold(0.0f32, |most, c| most.max(c.abs()));
+                    assert!(
+                        most <= 3.8 * 1.001,
+                        "{layout:?} {height} {exponent}: {most}"
+                    );
                 }
             }
         }

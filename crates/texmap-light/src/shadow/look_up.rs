@@ -6,8 +6,9 @@ use texmap_math::glam::{DVec2, DVec3};
 use super::{ShadowKind, ShadowMap};
 use crate::error::{LightError, same_length};
 
-/// Steepest change of a receiver's depth that [`ShadowBias::Planes`] follows, texels of depth per texel: light at half a degree.
-pub(crate) const STEEPEST: f32 = 128.0;
+/// Steepest change of a receiver's depth that [`ShadowBias::Planes`] follows, texels of depth per texel: light at two degrees. A
+/// steeper receiver's plane, followed over some texels, would pass before what casts a shadow on it.
+pub(crate) const STEEPEST: f32 = 32.0;
 
 /// Addition to the stored depth before the comparison, against a surface that shadows itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
