@@ -109,7 +109,8 @@ impl Cube {
             let [right, down] = place.tilt(square, normal);
             let slope = [right * texel, down * texel];
             let at = [self.in_texels(i, ray[0]), self.in_texels(i, ray[1])];
-            receiver = Receiver::new(i, reference, slope, texel * STEEPEST, at, [x, y]);
+            let steepest = place.major * self.step() * STEEPEST;
+            receiver = Receiver::new(i, reference, slope, steepest, at, [x, y]);
         }
         let within = self.taps.holds_around(i, x, y);
         // Bounds of a face do not hold for texels beyond its edges.
