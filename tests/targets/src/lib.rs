@@ -28,11 +28,12 @@ pub const EFFECT_SCENES: u64 = 60;
 /// Random scenes of samplers and alpha.
 const SAMPLER_SCENES: u64 = 16;
 
-/// The whole list, a line for each picture: its name, the hash of its pixels or values, and that of all its AOVs if it has some.
+/// The list, a line for each picture: its name, the hash of its pixels or values, and that of all its AOVs if it has some. Of the
+/// random scenes of effects it has each `step`-th, from the first on: all with 1.
 ///
 /// # Errors
 /// A scene or a picture that is refused, a file that cannot be written.
-pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>> {
+pub fn hashes(folders: &Folders, level: Level, step: usize) -> Result<String, Box<dyn Error>> {
     let mut list = String::new();
     write_skies(folders)?;
     effects::shared(folders)?;
@@ -51,7 +52,7 @@ pub fn hashes(folders: &Folders, level: Level) -> Result<String, Box<dyn Error>>
         )?;
         writeln!(list, "{}", line(&format!("samplers-{seed:02}"), &frame))?;
     }
-    for seed in 0..EFFECT_SCENES {
+    for seed in (0..EFFECT_SCENES).step_by(step.max(1)) {
         let name = format!("effects-{seed:02}");
         let frame = effect_scene(seed, folders)
             .and_then(|scene| {

@@ -1,4 +1,5 @@
-//! Prints the list of hashes of this machine: `texmap-targets ASSETS DATA WORK`, three folders of which the last takes what is written.
+//! Prints the list of hashes of this machine: `texmap-targets ASSETS DATA WORK [STEP]`, three folders of which the last takes what is written; with a
+//! step only each so many-th of the random scenes of effects is drawn.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,14 +9,22 @@ use texmap_math::Level;
 use texmap_targets::{Folders, hashes};
 
 fn main() -> ExitCode {
-    let folders: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let Ok([assets, data, work]) = <[PathBuf; 3]>::try_from(folders) else {
-        eprintln!("texmap-targets ASSETS DATA WORK");
+    let mut folders: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let step = match folders
+        .get(3)
+        .map(|step| step.to_str().and_then(|text| text.parse().ok()))
+    {
+        None => Some(1),
+        Some(step) => step.filter(|step| *step > 0),
+    };
+    folders.truncate(3);
+    let (Ok([assets, data, work]), Some(step)) = (<[PathBuf; 3]>::try_from(folders), step) else {
+        eprintln!("texmap-targets ASSETS DATA WORK [STEP]");
         return ExitCode::from(2);
     };
     let level = Level::new();
     eprintln!("level {level:?}");
-    match hashes(&Folders { assets, data, work }, level) {
+    match hashes(&Folders { assets, data, work }, level, step) {
         Ok(list) if std::io::stdout().write_all(list.as_bytes()).is_ok() => ExitCode::SUCCESS,
         Ok(_) => ExitCode::from(4),
         Err(error) => {
