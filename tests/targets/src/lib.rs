@@ -12,6 +12,7 @@ pub mod scenes;
 
 use std::error::Error;
 use std::fmt::Write as _;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use texmap_mesh::tessellate;
 
@@ -33,7 +34,11 @@ const SAMPLER_SCENES: u64 = 16;
 ///
 /// # Errors
 /// A scene or a picture that is refused, a file that cannot be written.
-pub fn hashes(folders: &Folders, level: Level, step: usize) -> Result<String, Box<dyn Error>> {
+pub fn hashes(
+    folders: &Folders,
+    level: Level,
+    step: NonZeroUsize,
+) -> Result<String, Box<dyn Error>> {
     let mut list = String::new();
     write_skies(folders)?;
     effects::shared(folders)?;
@@ -52,7 +57,7 @@ pub fn hashes(folders: &Folders, level: Level, step: usize) -> Result<String, Bo
         )?;
         writeln!(list, "{}", line(&format!("samplers-{seed:02}"), &frame))?;
     }
-    for seed in (0..EFFECT_SCENES).step_by(step.max(1)) {
+    for seed in (0..EFFECT_SCENES).step_by(step.get()) {
         let name = format!("effects-{seed:02}");
         let frame = effect_scene(seed, folders)
             .and_then(|scene| {

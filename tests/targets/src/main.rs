@@ -2,6 +2,7 @@
 //! step only each so many-th of the random scenes of effects is drawn.
 
 use std::io::Write;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -9,16 +10,12 @@ use texmap_math::Level;
 use texmap_targets::{Folders, hashes};
 
 fn main() -> ExitCode {
-    let mut folders: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let step = match folders
-        .get(3)
-        .map(|step| step.to_str().and_then(|text| text.parse().ok()))
-    {
-        None => Some(1),
-        Some(step) => step.filter(|step| *step > 0),
+    let mut arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let step = match arguments.len() {
+        4 => arguments.pop().and_then(|step| step.to_str()?.parse().ok()),
+        _ => Some(NonZeroUsize::MIN),
     };
-    folders.truncate(3);
-    let (Ok([assets, data, work]), Some(step)) = (<[PathBuf; 3]>::try_from(folders), step) else {
+    let (Ok([assets, data, work]), Some(step)) = (<[PathBuf; 3]>::try_from(arguments), step) else {
         eprintln!("texmap-targets ASSETS DATA WORK [STEP]");
         return ExitCode::from(2);
     };
