@@ -124,18 +124,25 @@ kept = [np.empty(4 * 1400 * 1400 * 28, np.uint8)]  # what the arrays of the call
 with open("/proc/self/statm") as file:
     used = int(file.read().split()[0]) * resource.getpagesize()
 kept.clear()
-resource.setrlimit(resource.RLIMIT_AS, (used + (130 << 20), resource.RLIM_INFINITY))
+resource.setrlimit(resource.RLIMIT_AS, (used + (int(sys.argv[2]) << 20), resource.RLIM_INFINITY))
 print(free == render())
 """
 
 
+def render_short_of_memory(model, mebibytes):
+    run = [sys.executable, "-c", SHORT_OF_MEMORY, model, str(mebibytes)]
+    return subprocess.run(run, capture_output=True, text=True, timeout=120, env=os.environ | {"MALLOC_ARENA_MAX": "1"})
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS and /proc are Linux's")
 def test_poses_that_do_not_fit_in_memory_together_are_drawn_one_by_one(assets):
-    # A picture has 55 MB, four have more than the 130 MiB that are left.
+    # A picture has 55 MiB, four have more than the 130 MiB that are left.
     model = assets / "models" / "cow.obj"
-    run = [sys.executable, "-c", SHORT_OF_MEMORY, model]
-    done = subprocess.run(run, capture_output=True, text=True, timeout=120, env=os.environ | {"MALLOC_ARENA_MAX": "1"})
+    done = render_short_of_memory(model, 130)
     assert done.stdout == "True\n", done.stderr
+    # The limit holds: where not even one picture fits, the call says so.
+    done = render_short_of_memory(model, 30)
+    assert done.returncode == 1 and "ValueError: no memory for a frame of 1400 x 1400 pixels" in done.stderr, done.stderr
 
 
 def test_axes_and_directions_of_poses_agree(assets):
