@@ -81,7 +81,7 @@ pub(crate) fn look_up(
     has_footprints: bool,
     footprints: impl Fn(std::ops::Range<usize>, &mut Vec<Footprint>),
 ) -> PyResult<()> {
-    const PART: usize = 256;
+    const PART: usize = 1024;
     let (mut u, mut v) = ([0.0; PART], [0.0; PART]);
     let mut colors = [[0.0; 4]; PART];
     let mut grads = Vec::with_capacity(PART);
@@ -93,8 +93,8 @@ pub(crate) fn look_up(
         .enumerate()
     {
         let count = pairs.len();
-        for (k, &[a, b]) in pairs.iter().enumerate() {
-            (u[k], v[k]) = (a, b);
+        for ((&[a, b], u), v) in pairs.iter().zip(&mut u).zip(&mut v) {
+            (*u, *v) = (a, b);
         }
         grads.clear();
         footprints(part * PART..part * PART + count, &mut grads);
