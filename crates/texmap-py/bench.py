@@ -1,8 +1,8 @@
 """Times of the package, the least of several runs: ``python bench.py`` prints what docs/python.md quotes, ``python bench.py peers`` the
 batch of poses of F3D's module and of pyrender (EGL) too, where they are installed, and ``python bench.py overhead PROGRAM`` what a
-call of ``sample`` costs beside the Rust function, by turns with the example ``sample_slice`` of this crate:
+call of ``sample`` costs beside the Rust function, by turns with the example ``sample_slice`` of the benches:
 
-    cargo build --release --example sample_slice
+    cargo build --release -p texmap-benches --example sample_slice
     python bench.py overhead target/release/examples/sample_slice
 
 The machine should be idle. Nothing here is a test.
