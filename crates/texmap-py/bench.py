@@ -1,9 +1,9 @@
 """Times of the package, the least of several runs: ``python bench.py`` prints what docs/python.md quotes, ``python bench.py peers`` the
 batch of poses of F3D's module and of pyrender (EGL) too, where they are installed, and ``python bench.py overhead PROGRAM`` what a
-call of ``sample`` costs beside the Rust function, by turns with the example ``sample_slice`` of the benches:
+call of ``sample`` costs beside the Rust function, by turns with the program ``sample-slice`` of the benches:
 
-    cargo build --release -p texmap-benches --example sample_slice
-    python bench.py overhead target/release/examples/sample_slice
+    cargo build --release -p texmap-benches --bin sample-slice
+    python bench.py overhead target/release/sample-slice
 
 The machine should be idle. Nothing here is a test.
 """

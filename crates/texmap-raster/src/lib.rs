@@ -63,4 +63,5 @@ pub use setup::{Fragment, TILE, TriangleSetup};
 pub use visibility::blocks::{SAMPLES_4, SampleSetup, TileVisibility};
 pub use visibility::depth_only::DepthStrip;
 pub use visibility::fragments::{VisibleFragment, triangles};
+pub use visibility::grazing_facets::GrazingFacets;
 pub use visibility::visible::{AlphaTest, NO_PRIMITIVE, NoAlphaTest, UvBlock, VisibilityBuffer};

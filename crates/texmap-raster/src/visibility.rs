@@ -3,6 +3,7 @@
 pub(crate) mod blocks;
 pub(crate) mod depth_only;
 pub(crate) mod fragments;
+pub(crate) mod grazing_facets;
 pub(crate) mod runs;
 pub(crate) mod sinks;
 pub(crate) mod visible;

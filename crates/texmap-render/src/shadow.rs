@@ -1,7 +1,6 @@
 //! Shadow maps: the scene's depth as a light sees it, by the rasterizer's depth pass.
 
 mod faces;
-mod grazing_facets;
 mod watertight;
 
 use std::sync::Mutex;
@@ -10,13 +9,14 @@ use texmap_scene::SceneError;
 
 use texmap_light::{FiniteColumns, ShadowBias, ShadowBounds, ShadowKind, ShadowMap, StripBounds};
 use texmap_math::{Level, MemoryBudget};
-use texmap_raster::{AlphaTest, BinnedDraws, DepthTest, DrawCall, Pass, TILE, TargetSize};
+use texmap_raster::{
+    AlphaTest, BinnedDraws, DepthTest, DrawCall, GrazingFacets, Pass, TILE, TargetSize,
+};
 
 use crate::RenderError;
 use crate::frame_resources::reserve_map;
 use crate::shadow_alpha_test::AlphaTests;
 use faces::views;
-use grazing_facets::GrazingFacets;
 use texmap_scene::{AlphaMode, Scene};
 use watertight::hidden_sides;
 
@@ -69,6 +69,11 @@ pub(crate) fn shadow_map_in(
     let mut depths = Vec::new();
     let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
+    let places: Vec<_> = scene
+        .meshes
+        .iter()
+        .map(|mesh| mesh.world_from_object)
+        .collect();
     for view in views(scene, kind) {
         let draws: Vec<DrawCall<'_>> = scene
             .meshes
@@ -100,13 +105,7 @@ pub(crate) fn shadow_map_in(
             .map_err(|error| RenderError::of_raster(scene, error))?;
         let grazing = (reach > 0.0).then(|| {
             let clip_from_world = view.clip_from_world;
-            GrazingFacets::new(
-                &scene.meshes,
-                &draws,
-                clip_from_world,
-                (size, taps),
-                threads,
-            )
+            GrazingFacets::new(&draws, &places, clip_from_world, (size, taps), threads)
         });
         let mut map = std::mem::take(&mut buffer);
         let alpha = cuts.as_ref().map(|cuts| cuts as &(dyn AlphaTest + Sync));

@@ -11,3 +11,4 @@ mod levels;
 mod modes;
 mod robust;
 mod steepest;
+mod thin_walls;

@@ -3,7 +3,8 @@
 use core::ops::Range;
 
 use texmap_math::glam::{DVec2, DVec3, Vec3Swizzles};
-use texmap_raster::DepthStrip;
+
+use crate::DepthStrip;
 
 /// A triangle on the map.
 pub(super) struct Facet {
