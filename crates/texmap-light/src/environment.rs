@@ -5,10 +5,13 @@ pub(crate) mod level;
 mod mips;
 mod specular;
 
+use alloc::vec;
 use alloc::vec::Vec;
 
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::parallel;
 use texmap_math::progress::{Progress, Steps};
+use texmap_sample::TEXEL_LIMIT;
 
 use crate::EnvironmentLayout;
 use crate::error::{LightError, same_length};
@@ -96,14 +99,14 @@ impl Environment {
             let texels = core::array::from_fn(|k| places.at((first + k).min(count - 1)));
             light(texels, places.sides())
         };
-        let groups = count.div_ceil(N);
-        #[cfg(feature = "rayon")]
-        let texels: Vec<_> = {
-            use rayon::prelude::*;
-            (0..groups).into_par_iter().map(group).collect()
-        };
-        #[cfg(not(feature = "rayon"))]
-        let texels: Vec<_> = (0..groups).map(group).collect();
+        let mut texels = vec![[[0.0; 3]; N]; count.div_ceil(N)];
+        // A row at a time: its texels may each gather light from thousands.
+        let piece = row.div_ceil(N);
+        parallel::for_each(texels.chunks_mut(piece).enumerate(), |(number, groups)| {
+            for (texels, at) in groups.iter_mut().zip(number * piece..) {
+                *texels = group(at);
+            }
+        });
         let mut texels = texels.into_flattened();
         texels.truncate(count);
         match steps.is_cancelled() {
@@ -233,13 +236,10 @@ impl Environment {
     }
 }
 
-/// 2^120: differences and weighted sums of texels stay finite.
-const LIMIT: f32 = 1.329_228e36;
-
 /// # Errors
-/// [`LightError::Texel`] for the first texel beyond [`LIMIT`].
+/// [`LightError::Texel`] for the first texel beyond [`TEXEL_LIMIT`].
 fn check(texels: &[[f32; 3]]) -> Result<(), LightError> {
-    let beyond = |c: &f32| c.is_nan() || c.abs() > LIMIT;
+    let beyond = |c: &f32| c.is_nan() || c.abs() > TEXEL_LIMIT;
     match texels.iter().position(|texel| texel.iter().any(beyond)) {
         Some(index) => Err(LightError::Texel { index }),
         None => Ok(()),
@@ -320,14 +320,17 @@ mod tests {
     fn light_beyond_the_limit_is_refused_and_light_at_the_limit_is_read() {
         let size = (2, 2);
         for chart in [EnvironmentLayout::Cube, EnvironmentLayout::TanCube] {
-            let mut texels = alloc::vec![[LIMIT, -LIMIT, 1.0]; chart.faces() * 4];
-            texels[1] = [-LIMIT, LIMIT, 1.0];
+            let mut texels = alloc::vec![[TEXEL_LIMIT, -TEXEL_LIMIT, 1.0]; chart.faces() * 4];
+            texels[1] = [-TEXEL_LIMIT, TEXEL_LIMIT, 1.0];
             let sky = Environment::from_texels(chart, size, &texels).unwrap();
             let blurred = sky.specular_map(chart, 2, 8.0).unwrap();
             for sky in [sky.with_mips(), blurred] {
                 for d in [[0.0, 0.1, 1.0], [0.3, -1.0, 0.2], [-1.0, 1.0, 1.0]] {
                     let light = sky.radiance(d);
-                    assert!(light.iter().all(|c| c.abs() <= LIMIT * 1.001), "{light:?}");
+                    assert!(
+                        light.iter().all(|c| c.abs() <= TEXEL_LIMIT * 1.001),
+                        "{light:?}"
+                    );
                 }
             }
             for beyond in [f32::MAX, f32::MIN, f32::INFINITY, f32::NAN] {

@@ -82,7 +82,7 @@ pub use pattern::{Pattern, gradient_noise};
 pub use resample::{EdgeMode, Resample};
 pub use sampler::{Cubic, Filter, Lod, Mip, Precision, Sampler, TexelFilter};
 pub use texel_data::TexelData;
-pub use texture::{Alpha, ColorSpace, Image, Origin, Texture2d};
+pub use texture::{Alpha, ColorSpace, Image, Origin, TEXEL_LIMIT, Texture2d};
 pub use transform::UvTransform;
 pub use volume::{Texture1d, Texture3d, UvwBatch, sample_3d_soa};
 pub use volume_integrator::{MAX_STEPS, OPAQUE, RayRadiance, VolumeIntegrator};

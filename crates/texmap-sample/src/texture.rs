@@ -330,14 +330,17 @@ pub(crate) fn check_length(expected: usize, got: usize) -> Result<(), SampleErro
     }
 }
 
-/// 2^120: differences and sums of weights stay finite.
-pub(crate) const LIMIT: f32 = 1.329_228e36;
+/// The largest magnitude of a float texel, 2^120: differences and weighted sums of texels stay finite.
+pub const TEXEL_LIMIT: f32 = 1.329_228e36;
 
 fn check_finite(texels: &TexelData<'_>, width: u32, channels: u32) -> Result<(), SampleError> {
     let TexelData::F32(values) = texels else {
         return Ok(());
     };
-    match values.iter().position(|v| v.is_nan() || v.abs() > LIMIT) {
+    match values
+        .iter()
+        .position(|v| v.is_nan() || v.abs() > TEXEL_LIMIT)
+    {
         None => Ok(()),
         Some(i) => {
             let texel = i as u32 / channels;

@@ -3,7 +3,7 @@
 use crate::{
     error::SampleError,
     texel_data::{Chain, Format, Level, TexelData, Words, rounded_words, scaled},
-    texture::{Alpha, ColorSpace, Image, LIMIT, Origin},
+    texture::{Alpha, ColorSpace, Image, Origin, TEXEL_LIMIT},
 };
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;
@@ -136,7 +136,7 @@ fn push_values(
     for i in 0..count {
         let c = read_texel(image, &curve, i);
         // The sRGB curve and the opacity of float texels may take them beyond the limit.
-        if !c.iter().all(|c| c.abs() <= LIMIT) {
+        if !c.iter().all(|c| c.abs() <= TEXEL_LIMIT) {
             let (x, y) = (i as u32 % image.width, i as u32 / image.width);
             return Err(SampleError::Texel { x, y });
         }
