@@ -105,15 +105,15 @@ async function applet(name) {
   }
 }
 
-/// Plays the recorded walk at one of its sizes, in the order of their native hashes, and returns its frames a second.
-const WALKS = ['640x400', '1280x720'];
+/// Plays the recorded walk at one of the sizes that have a native hash, and returns its frames a second.
+const WALKS = Object.keys(hashes).filter((key) => key.startsWith('doom ')).map((key) => key.slice(5));
 async function walk(page, size) {
   await page.selectOption('#size', size);
   await page.$eval('main', (main) => delete main.dataset.recorded);
   await page.click('#record');
   await page.waitForFunction(() => document.querySelector('main').dataset.recorded, null, { timeout: 240000 });
   const { recorded, rate } = await page.$eval('main', (main) => ({ ...main.dataset }));
-  const wanted = hashes.doom?.[WALKS.indexOf(size)];
+  const wanted = hashes[`doom ${size}`][0];
   if (recorded !== wanted) fault('doom', `the last frame of ${size} is ${recorded}, natively ${wanted}`);
   return Number(rate);
 }

@@ -89,7 +89,7 @@ async function record() {
   recorded.textContent = 'playing …';
   const [width, height] = size.value.split('x').map(Number);
   const { hash, ms, frames } = await call('play', { width, height, every: 1 });
-  const native = (await hashes).doom?.[['640x400', '1280x720'].indexOf(size.value)];
+  const native = (await hashes)[`doom ${size.value}`]?.[0];
   const same = native ? (native === hash ? ' the bytes of the native program' : ` native: ${native}`) : '';
   recorded.textContent = `${frames} frames in ${(ms / 1000).toFixed(2)} s: ${(1000 * frames / ms).toFixed(1)} frames/s. Last frame ${hash}${same}`;
   recorded.className = same && native !== hash ? 'hash differs' : 'hash same';
