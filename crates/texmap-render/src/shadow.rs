@@ -69,7 +69,7 @@ pub(crate) fn shadow_map_in(
     let mut depths = Vec::new();
     let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
-    let places: Vec<_> = scene
+    let transforms: Vec<_> = scene
         .meshes
         .iter()
         .map(|mesh| mesh.world_from_object)
@@ -105,7 +105,7 @@ pub(crate) fn shadow_map_in(
             .map_err(|error| RenderError::of_raster(scene, error))?;
         let grazing = (reach > 0.0).then(|| {
             let clip_from_world = view.clip_from_world;
-            GrazingFacets::new(&draws, &places, clip_from_world, (size, taps), threads)
+            GrazingFacets::new(&draws, &transforms, clip_from_world, (size, taps), threads)
         });
         let mut map = std::mem::take(&mut buffer);
         let alpha = cuts.as_ref().map(|cuts| cuts as &(dyn AlphaTest + Sync));

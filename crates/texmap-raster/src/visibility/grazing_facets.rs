@@ -54,9 +54,9 @@ pub struct GrazingFacets<'d> {
 }
 
 impl<'d> GrazingFacets<'d> {
-    /// The facets of `draws`, each with the place of its object in the world, that may hide what lies behind them in a map of `size` x
-    /// `size` texels from look-ups of `taps` x `taps` comparisons. `clip_from_world` is the light's view. Draws without a place, vertices that
-    /// are not finite, that there are not or that lie behind the light's plane make no facet.
+    /// The facets of `draws`, each with the transform of its object, that may hide what lies behind them in a map of `size` x `size` texels
+    /// from look-ups of `taps` x `taps` comparisons. `clip_from_world` is the light's view. Draws without a transform, vertices that are not
+    /// finite, that there are not or that lie behind the light's plane make no facet.
     #[must_use]
     pub fn new(
         draws: &'d [DrawCall<'d>],
@@ -69,7 +69,7 @@ impl<'d> GrazingFacets<'d> {
             draws,
             mirrored: world_from_object
                 .iter()
-                .map(|place| place.determinant() < 0.0)
+                .map(|transform| transform.determinant() < 0.0)
                 .collect(),
             size,
             half: 0.5 + f64::from(taps.min(15) / 2),
@@ -85,9 +85,10 @@ impl<'d> GrazingFacets<'d> {
             .zip(world_from_object)
             .enumerate()
             .filter(|(_, (draw, _))| draw.pass == Pass::Opaque)
-            .flat_map(|(draw, (call, place))| {
+            .flat_map(|(draw, (call, transform))| {
+                let angles = Angles::new(transform, light);
                 let starts = (0..call.indices.len()).step_by(parallel::PIECE);
-                starts.map(move |start| (Angles::new(place, light), [draw, start]))
+                starts.map(move |start| (angles, [draw, start]))
             })
             .collect();
         let find = |(angles, piece)| facets.of_piece(&angles, piece);
@@ -277,9 +278,10 @@ mod tests {
             for (drop, grazing) in [(0.39, false), (0.41, true)] {
                 let mut mesh = step(0.1, drop);
                 for (mirrored, side) in [(1.0, 1.0), (-1.0, 1.0), (1.0, UNDER), (-1.0, UNDER)] {
-                    let place = DMat4::from_scale(DVec3::new(mirrored, 1.0, 1.0));
-                    let draws = [draw(&mesh, clip_from_world * place)];
-                    let facets = GrazingFacets::new(&draws, &[place], clip_from_world, (32, 3), 1);
+                    let transform = DMat4::from_scale(DVec3::new(mirrored, 1.0, 1.0));
+                    let draws = [draw(&mesh, clip_from_world * transform)];
+                    let facets =
+                        GrazingFacets::new(&draws, &[transform], clip_from_world, (32, 3), 1);
                     let found: Vec<_> = facets.strips.iter().flatten().collect();
                     assert_eq!(!found.is_empty(), grazing, "{clip_from_world} {drop}");
                     for place in found {
@@ -293,19 +295,19 @@ mod tests {
         }
     }
 
-    /// Facets that are not finite, have no area or lie behind the light are none; nor are those of vertices, places and texels that there
-    /// are not. None ends the work.
+    /// Facets that are not finite, have no area or lie behind the light are none; nor are those of vertices, transforms and texels that
+    /// there are not. None ends the work.
     #[test]
     fn facets_of_any_numbers_are_none() {
         let clip_from_world = from_above()[1];
-        let places = [DMat4::IDENTITY];
+        let transforms = [DMat4::IDENTITY];
         for worst in [f32::NAN, f32::INFINITY, 1e30, -1e30, 2e3] {
             for k in 0..10 {
                 let mut mesh = step(1e-3, 0.02);
                 mesh.0[k][1] = worst;
                 mesh.0[(k + 3) % 10] = mesh.0[k];
                 let draws = [draw(&mesh, clip_from_world)];
-                let facets = GrazingFacets::new(&draws, &places, clip_from_world, (64, 5), 1);
+                let facets = GrazingFacets::new(&draws, &transforms, clip_from_world, (64, 5), 1);
                 for [_, triangle] in facets.strips.iter().flatten() {
                     let corners = mesh.1[*triangle as usize].map(|v| mesh.0[v as usize]);
                     assert!(corners.iter().all(|at| at[1] <= 1e3), "{worst} {k}");
@@ -313,14 +315,14 @@ mod tests {
             }
         }
         let mut mesh = step(1e-3, 0.02);
-        let found = |mesh: &_, places: &[DMat4], size| {
+        let found = |mesh: &_, transforms: &[DMat4], size| {
             let draws = [draw(mesh, clip_from_world)];
-            let facets = GrazingFacets::new(&draws, places, clip_from_world, (size, 5), 1);
+            let facets = GrazingFacets::new(&draws, transforms, clip_from_world, (size, 5), 1);
             facets.strips.iter().flatten().count()
         };
-        assert!(found(&mesh, &places, 64) > 0);
-        assert_eq!(found(&mesh, &places, 0) + found(&mesh, &[], 64), 0);
+        assert!(found(&mesh, &transforms, 64) > 0);
+        assert_eq!(found(&mesh, &transforms, 0) + found(&mesh, &[], 64), 0);
         mesh.1.iter_mut().for_each(|triangle| triangle[1] = 99);
-        assert_eq!(found(&mesh, &places, 64), 0);
+        assert_eq!(found(&mesh, &transforms, 64), 0);
     }
 }
