@@ -38,8 +38,26 @@ fn step(width: f32, drop: f32) -> Scene {
     }
 }
 
+const BIAS: ShadowBias = ShadowBias::Planes(1e-4);
+
 fn kind_of(scene: &Scene) -> ShadowKind {
     shadow_kind(scene, 0, Some((DVec3::ZERO, 1.0))).unwrap()
+}
+
+/// Every filter sees as much of the light at all of the points, which lie on level floors.
+#[track_caller]
+fn assert_visibility(scene: &Scene, expected: f32, points: impl Iterator<Item = DVec3> + Clone) {
+    let kind = kind_of(scene);
+    for taps in [1, 3, 5] {
+        let map = shadow_map_for(scene, &kind, 64, BIAS, taps, 1).unwrap();
+        for at in points.clone() {
+            assert_eq!(
+                map.visibility(at, DVec3::Y, BIAS, taps),
+                expected,
+                "{taps} {at}"
+            );
+        }
+    }
 }
 
 /// A wall thinner than a texel hides none of the floor behind it, which a light from above reaches. The depths without this pass, that
@@ -49,17 +67,16 @@ fn thin_walls_hide_no_floor() {
     let scene = step(1e-3, 0.02);
     let kind = kind_of(&scene);
     let size = 64;
-    let bias = ShadowBias::Planes(1e-4);
     for (taps, by_hand) in [(1, false), (3, false), (5, false), (3, true)] {
         let map = if by_hand {
             shadow_map(&scene, &kind, size, 1).unwrap()
         } else {
-            shadow_map_for(&scene, &kind, size, bias, taps, 1).unwrap()
+            shadow_map_for(&scene, &kind, size, BIAS, taps, 1).unwrap()
         };
         let dark = (0..500).filter(|i| {
             let x = 0.0141 + f64::from(*i) * 4e-4;
             let at = DVec3::new(x, -0.02, 0.1 + f64::from(i % 7) * 0.01);
-            map.visibility(at, DVec3::Y, bias, taps) < 1.0
+            map.visibility(at, DVec3::Y, BIAS, taps) < 1.0
         });
         let dark = dark.count();
         assert!(
@@ -81,15 +98,8 @@ fn thin_walls_in_the_air_darken_no_floor() {
     let mut floor = step(0.0, 0.0).meshes.remove(0);
     floor.triangles = vec![[0, 1, 8], [1, 9, 8]];
     scene.meshes.push(floor);
-    let kind = kind_of(&scene);
-    let bias = ShadowBias::Planes(1e-4);
-    for taps in [1, 3, 5] {
-        let map = shadow_map_for(&scene, &kind, 64, bias, taps, 1).unwrap();
-        for x in -200..200 {
-            let at = DVec3::new(f64::from(x) * 1e-3, 0.0, 0.1);
-            assert_eq!(map.visibility(at, DVec3::Y, bias, taps), 1.0, "{taps} {x}");
-        }
-    }
+    let points = (-200..200).map(|x| DVec3::new(f64::from(x) * 1e-3, 0.0, 0.1));
+    assert_visibility(&scene, 1.0, points);
 }
 
 /// A roof over the wall keeps its shadow on the floor at the foot of the wall.
@@ -99,37 +109,22 @@ fn thin_walls_under_a_roof_are_dark() {
     let mut roof = step(0.0, 0.0).meshes.remove(0);
     roof.positions.iter_mut().for_each(|p| p[1] = 0.5);
     scene.meshes.push(roof);
-    let kind = kind_of(&scene);
-    let bias = ShadowBias::Planes(1e-4);
-    for taps in [1, 3, 5] {
-        let map = shadow_map_for(&scene, &kind, 64, bias, taps, 1).unwrap();
-        for x in 0..200 {
-            let at = DVec3::new(0.0141 + f64::from(x) * 1e-3, -0.02, 0.1);
-            assert_eq!(map.visibility(at, DVec3::Y, bias, taps), 0.0, "{taps} {x}");
-        }
-    }
+    let points = (0..200).map(|x| DVec3::new(0.0141 + f64::from(x) * 1e-3, -0.02, 0.1));
+    assert_visibility(&scene, 0.0, points);
 }
 
 /// What lies deeper than the foot of the wall keeps its shadow: the upper floor hides a floor under it up to its edge.
 #[test]
 fn thin_walls_let_no_light_through() {
     let scene = step(1e-3, 0.02);
-    let kind = kind_of(&scene);
-    let bias = ShadowBias::Planes(1e-4);
-    for taps in [1, 3, 5] {
-        let map = shadow_map_for(&scene, &kind, 64, bias, taps, 1).unwrap();
-        for x in -20..20 {
-            let at = DVec3::new(f64::from(x) * 0.01, -0.2, 0.1);
-            assert_eq!(map.visibility(at, DVec3::Y, bias, taps), 0.0, "{taps} {x}");
-        }
-    }
+    let points = (-20..20).map(|x| DVec3::new(f64::from(x) * 0.01, -0.2, 0.1));
+    assert_visibility(&scene, 0.0, points);
 }
 
 #[test]
 fn threads_agree() {
     let scene = step(1e-3, 0.02);
     let kind = kind_of(&scene);
-    let bias = ShadowBias::Planes(1e-4);
-    let map = |threads| shadow_map_for(&scene, &kind, 300, bias, 5, threads).unwrap();
+    let map = |threads| shadow_map_for(&scene, &kind, 300, BIAS, 5, threads).unwrap();
     assert_eq!(map(1), map(2));
 }
