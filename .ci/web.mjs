@@ -105,8 +105,10 @@ async function applet(name) {
   }
 }
 
-/// Plays the recorded walk at one of the sizes that have a native hash, and returns its frames a second.
+/// Sizes of the recorded walk that have a native hash.
 const WALKS = Object.keys(hashes).filter((key) => key.startsWith('doom ')).map((key) => key.slice(5));
+
+/// Plays the recorded walk at a size, and returns its frames a second.
 async function walk(page, size) {
   await page.selectOption('#size', size);
   await page.$eval('main', (main) => delete main.dataset.recorded);

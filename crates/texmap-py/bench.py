@@ -47,21 +47,20 @@ def grid(side=101):
 def overhead(program, rounds=20):
     """Prints times of bilinear and trilinear look-ups by both, and their ratios: by the clock, as `chrt -f 10` lets nobody interrupt."""
     rng = np.random.default_rng(1)
-    filters = {"Bilinear": False, "Trilinear": True}
+    filters = ("Bilinear", "Trilinear")
     ours, theirs = (dict.fromkeys(filters, float("inf")) for _ in range(2))
     for _ in range(rounds):
         # Each round has memory of its own, as each run of the program has: where it lies decides up to a third of the time.
         texture = texmap.Texture(rng.uniform(size=(1024, 1024, 4)).astype(np.float32))
         uv, out = rng.uniform(size=(1_000_000, 2)).astype(np.float32), np.empty((1_000_000, 4), np.float32)
         duv = np.full((1_000_000, 4), 1e-3, np.float32)
-        given = {name: duv if derivatives else None for name, derivatives in filters.items()}
-        for name, derivatives in given.items():
+        for name, derivatives in zip(filters, (None, duv)):
             t = least(lambda: texmap.sample(texture, uv, derivatives, filter=name.lower(), out=out, threads=1), 9, time.perf_counter)
             ours[name] = min(ours[name], t)
         for line in subprocess.run([program], capture_output=True, text=True, check=True).stdout.splitlines():
             name, t = line.split(", ")[-1].removesuffix(" ms").split(": ")
             theirs[name] = min(theirs[name], float(t))
-    for name in given:
+    for name in filters:
         print(f"sample, {name}: {ours[name]:.2f} ms, Rust {theirs[name]:.2f} ms, ratio {ours[name] / theirs[name]:.3f}")
 
 
