@@ -12,9 +12,9 @@ use texmap_scene::{Scene, shadow_kind};
 use crate::LabError;
 use crate::shadow_scene::{HALF, ShadowScene, across};
 
-/// Points of the band that are looked at: eight on its rim, the others spread within.
+/// Points of the band that are looked at: eight on its rim, the others spread within, so dense that a shadow narrower than a texel is met.
 const RIM: u32 = 8;
-const PLACES: u32 = 40;
+const PLACES: u32 = 200;
 
 /// Points of a scene that face a light, each with the truth about its shadow.
 #[derive(Debug)]

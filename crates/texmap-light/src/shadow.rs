@@ -8,8 +8,8 @@ use alloc::vec::Vec;
 use texmap_math::glam::{DMat4, DVec2, DVec3};
 
 use crate::error::{LightError, same_length};
-pub(crate) use look_up::STEEPEST;
 pub use look_up::ShadowBias;
+pub(crate) use look_up::{STEEP, STEEPEST};
 
 /// Depths as a light sees them, in the metric in which they are compared: distance along the light's axis for parallel and
 /// spot lights, distance from the light for point lights. Never the value of a depth buffer against a length.

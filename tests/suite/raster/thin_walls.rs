@@ -113,6 +113,36 @@ fn thin_walls_under_a_roof_are_dark() {
     assert_visibility(&scene, 0.0, points);
 }
 
+/// A roof that starts at half the height of a wall keeps its shadow on the wall under it.
+#[test]
+fn walls_under_a_roof_between_their_ends_are_dark() {
+    // In the texel whose centre is at 3/64: from 0.034 to 0.059, with the halves meeting before the centre.
+    let (width, drop, moved) = (0.025, 0.2, 0.021);
+    let mut scene = step(width, drop);
+    scene.meshes[0]
+        .positions
+        .iter_mut()
+        .for_each(|p| p[0] += moved);
+    let slope = f64::from(drop / width);
+    let mut roof = step(0.0, 0.0).meshes.remove(0);
+    for p in &mut roof.positions {
+        *p = [0.043 + 0.5 * p[0].max(0.0), -0.07, p[2]];
+    }
+    let kind = kind_of(&scene);
+    let lit = |scene: &Scene| {
+        let map = shadow_map_for(scene, &kind, 64, BIAS, 1, 1).unwrap();
+        let of_wall = (0..25).map(|x| {
+            let x = 0.0475 + f64::from(x) * 4e-4;
+            let at = DVec3::new(x, -slope * (x - 0.034), 0.1);
+            map.visibility(at, DVec3::new(slope, 1.0, 0.0).normalize(), BIAS, 1)
+        });
+        of_wall.sum::<f32>()
+    };
+    assert_eq!(lit(&scene), 25.0);
+    scene.meshes.push(roof);
+    assert_eq!(lit(&scene), 0.0);
+}
+
 /// What lies deeper than the foot of the wall keeps its shadow: the upper floor hides a floor under it up to its edge.
 #[test]
 fn thin_walls_let_no_light_through() {

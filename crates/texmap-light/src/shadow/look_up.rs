@@ -10,13 +10,18 @@ use crate::error::{LightError, same_length};
 /// steeper receiver's plane, followed over some texels, would pass before what casts a shadow on it.
 pub(crate) const STEEPEST: f32 = 32.0;
 
+/// Change of a receiver's depth above which the majority of the comparisons under [`ShadowBias::Planes`] decides, as a part of [`STEEPEST`]:
+/// light below 3.6 degrees. Over the filter the plane of such a receiver passes before part of what casts a shadow on it.
+pub(crate) const STEEP: f32 = 0.5;
+
 /// Addition to the stored depth before the comparison, against a surface that shadows itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowBias {
     /// The planes of both surfaces, with this constant (1e-4 of the scene's size is enough). Each comparison takes the receiver's depth
     /// on its own plane there, where that is nearer to the light (receiver-plane bias), and the map holds every caster's depth as
     /// far as its plane reaches over the filter ([`caster_reach`](Self::caster_reach): slope-scaled bias at drawing). Of the
-    /// comparisons, fewer than a row that contradict all others are ignored ([`outliers`](Self::outliers)).
+    /// comparisons, fewer than a row that contradict all others are ignored ([`outliers`](Self::outliers)). Where the light meets the
+    /// receiver at less than 3.6 degrees, the majority of the comparisons decides.
     Planes(f64),
     /// A constant, world units. It leaves acne on slopes or detaches shadows: for comparison.
     Constant(f64),
@@ -68,11 +73,16 @@ impl ShadowMap {
             }
         }
         let mut slope = DVec2::ZERO;
+        let mut outliers = bias.outliers(taps);
         let add = match bias {
             ShadowBias::Constant(constant) => constant,
             ShadowBias::NormalOffset(_) => 1e-4 * place.texel_size,
             ShadowBias::Planes(constant) => {
                 let most = DVec2::splat(f64::from(STEEPEST) * place.texel_size);
+                if place.slope.abs().max_element() > f64::from(STEEP) * most.x {
+                    // All but the median.
+                    outliers = 2 * radius as u32 * (radius as u32 + 1);
+                }
                 slope = place.slope.clamp(-most, most);
                 constant
             }
@@ -94,7 +104,6 @@ impl ShadowMap {
                 );
             }
         }
-        let outliers = bias.outliers(taps);
         let lit = lit.saturating_sub(outliers) as f32 / (count - 2 * outliers) as f32;
         if lit < 1.0 { lit } else { 1.0 }
     }
@@ -320,6 +329,28 @@ mod tests {
         let rows = [7, 8, 9, 10, 11].map(|edge| lit(&|x, _| x < edge));
         assert!(rows.windows(2).all(|w| w[0] > w[1]), "{rows:?}");
         assert!((rows[0] + rows[3] - 1.0).abs() < 1e-6, "{rows:?}");
+    }
+
+    /// The majority of the comparisons decides for a receiver that the light meets below 3.6 degrees. A less steep one has soft edges.
+    #[test]
+    fn steep_receivers_are_lit_or_dark() {
+        let kind = ShadowKind::Directional {
+            light_from_world: DMat4::IDENTITY,
+            half: 8.0,
+        };
+        let bias = ShadowBias::Planes(1e-4);
+        let lit = |tangent: f64, edge: usize| {
+            let depth = |i: usize| if i % 16 < edge { 1.0 } else { 900.0 };
+            let map = ShadowMap::new(kind, 16, (0..256).map(depth).collect()).unwrap();
+            let normal = DVec3::new(0.0, tangent, 1.0).normalize();
+            map.visibility(DVec3::new(0.5, 0.5, -500.0), normal, bias, 5)
+        };
+        let edges = [7, 8, 9, 10];
+        assert_eq!(edges.map(|edge| lit(16.1, edge)), [1.0, 1.0, 0.0, 0.0]);
+        assert!(edges.iter().all(|edge| {
+            let lit = lit(15.9, *edge);
+            0.0 < lit && lit < 1.0
+        }));
     }
 
     #[test]

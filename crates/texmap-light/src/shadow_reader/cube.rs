@@ -127,7 +127,7 @@ impl Cube {
             (true, true) => self.passing::<I, true, true>(i, words, side, at, &receiver),
             (true, false) => self.passing::<I, false, true>(i, words, side, at, &receiver),
         };
-        inside.select(self.taps.share(i, lit), i.f32(1.0))
+        inside.select(self.taps.share(i, &receiver, lit), i.f32(1.0))
     }
 
     /// Texels from the first edge of a face to a coordinate in -1..=1.

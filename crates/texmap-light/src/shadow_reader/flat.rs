@@ -106,7 +106,7 @@ impl Flat {
             (true, true) => self.passing::<I, true, true>(i, words, x, y, &receiver),
             (true, false) => self.passing::<I, false, true>(i, words, x, y, &receiver),
         };
-        inside.select(self.taps.share(i, lit), i.f32(1.0))
+        inside.select(self.taps.share(i, &receiver, lit), i.f32(1.0))
     }
 
     /// Lanes whose coordinates lie in the map.

@@ -3,6 +3,7 @@
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::lanes::Vector;
+use crate::shadow::STEEP;
 use crate::shadow_bounds::{ShadowBounds, radius};
 use crate::vector::{add, scale};
 use crate::{ShadowBias, ShadowMap};
@@ -36,6 +37,8 @@ pub(super) struct Receiver<I: Isa> {
     slope: [I::F32; 2],
     /// Vector from the receiver to the middle of its texel.
     middle: [I::F32; 2],
+    /// True if the majority of the comparisons decides.
+    steep: I::Mask,
 }
 
 impl<I: Isa> Receiver<I> {
@@ -50,10 +53,12 @@ impl<I: Isa> Receiver<I> {
         place: [I::F32; 2],
         texel: [I::I32; 2],
     ) -> Self {
+        let largest = slope[0].abs().above(slope[1].abs());
         let mut out = Self {
             depth,
             slope,
             middle: place,
+            steep: largest.simd_gt(steepest * STEEP),
         };
         for k in 0..2 {
             out.slope[k] = slope[k].below(steepest).above(-steepest);
@@ -69,6 +74,7 @@ impl<I: Isa> Receiver<I> {
             depth,
             slope: [i.f32(0.0); 2],
             middle: [i.f32(0.0); 2],
+            steep: i.f32(0.0).simd_gt(0.0),
         }
     }
 
@@ -120,11 +126,16 @@ impl Taps {
         side * side
     }
 
-    /// Fraction of the light by the number of comparisons that pass.
+    /// Fraction of the light that reaches a receiver, by the number of comparisons that pass.
     #[inline(always)]
-    pub(super) fn share<I: Isa>(&self, i: I, lit: I::F32) -> I::F32 {
+    pub(super) fn share<I: Isa>(&self, i: I, receiver: &Receiver<I>, lit: I::F32) -> I::F32 {
         let share = (lit - self.outliers) / (self.count() - 2.0 * self.outliers);
-        share.clamp(i.f32(0.0), i.f32(1.0))
+        let most = lit
+            .simd_gt(0.5 * self.count())
+            .select(i.f32(1.0), i.f32(0.0));
+        receiver
+            .steep
+            .select(most, share.clamp(i.f32(0.0), i.f32(1.0)))
     }
 
     /// Texels that lie on their face.

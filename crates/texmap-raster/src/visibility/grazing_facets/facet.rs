@@ -63,7 +63,7 @@ impl Facet {
                     if starts_at(ends, *stored) {
                         let centre = DVec2::new(column as f64 + 0.5, y);
                         let ends = self.ends_around(&edges, centre);
-                        if starts_at(ends, *stored) {
+                        if starts_at(ends, *stored) && !self.lies_under(centre, *stored) {
                             *stored = ends[1] as f32;
                         }
                     }
@@ -71,6 +71,16 @@ impl Facet {
                 done = done.max(span.end);
             }
         }
+    }
+
+    /// True if the facet covers a texel's centre and a stored depth lies before it there.
+    fn lies_under(&self, centre: DVec2, stored: f32) -> bool {
+        let [a, b, c] = self.corners;
+        let (u, v, to) = (b - a, c - a, centre - a.xy());
+        let area = u.xy().perp_dot(v.xy());
+        let (s, t) = (to.perp_dot(v.xy()) / area, u.xy().perp_dot(to) / area);
+        let depth = a.z + u.z * s + v.z * t;
+        s >= 0.0 && t >= 0.0 && s + t <= 1.0 && stored > depth as f32 * (1.0 + ROUNDING)
     }
 
     fn edges(&self) -> [Edge; 3] {
