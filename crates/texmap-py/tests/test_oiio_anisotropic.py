@@ -9,7 +9,7 @@ oiio = pytest.importorskip("OpenImageIO")
 
 SIDE, WIDTH, HEIGHT = 512, 80, 48
 TEXTURES = ("noise", "text", "checker", "photo")
-PLANES = [(6, 30), (12, 0), (25, 30)]
+PLANES = [(6, 30), (12, 0), (12, 45), (25, 30), (40, 10)]
 
 
 @pytest.fixture(scope="module")

@@ -234,11 +234,13 @@ fn axes([ux, vx, uy, vy]: Gradient) -> ([f64; 2], f64, f64) {
     )
 }
 
-/// Box-weighted trilinear probes spread evenly over the long axis; where the short axis is below a texel, no more than one a texel, and
-/// over what bilinear filtering leaves of the long axis.
+/// Box-weighted trilinear probes spread evenly over the long axis: one, and 1.1 for each short axis by which the long one exceeds the first,
+/// but no more than one a texel. Where the short axis is below a texel it counts as one, and the probes spread over what bilinear filtering
+/// leaves of the long axis.
 fn anisotropic(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient, most: f64) -> [f64; 4] {
     let (axis, major, minor) = axes(in_texels(t, d));
-    let n = ceil((major / minor.max(1.0)).min(most)).max(1.0);
+    let wanted = 1.0 + 1.1 * (major / minor.max(1.0) - 1.0);
+    let n = ceil(wanted.min(major).min(most)).max(1.0);
     let lod = limit(s, log2(major / n));
     let spread = sqrt(((major * major + minor * minor - 1.0) / (major * major)).clamp(0.0, 1.0));
     let mut sum = [0.0; 4];

@@ -32,10 +32,10 @@ fn filters_reach_their_accuracy_on_the_tilted_plane() {
     let truth = scene.truth(Truth::Box, 48);
     let exact = |filter| errors(&scene, &truth, filter, Precision::Exact);
 
-    assert_within(exact(Filter::Anisotropic(16)), [0.0112, 0.0106, 0.0208]);
+    assert_within(exact(Filter::Anisotropic(16)), [0.0115, 0.0092, 0.0197]);
     // One rounded level a pixel costs some of it.
     let fast = errors(&scene, &truth, Filter::Anisotropic(16), Precision::Fast);
-    assert_within(fast, [0.0142, 0.0118, 0.0242]);
+    assert_within(fast, [0.0144, 0.0102, 0.0232]);
     // The integer logarithm lies up to 0.043 levels low, which this truth likes.
     let trilinear = errors(&scene, &truth, Filter::Trilinear, Precision::Fast);
     assert_within(trilinear, [0.0835, 0.0775, 0.0675]);
@@ -65,7 +65,8 @@ fn probes_are_no_closer_than_a_texel() {
         (0.9, 0.01, 1),
         (2.9, 0.01, 3),
         (2.9, 1.0, 3),
-        (2.9, 1.5, 2),
+        (2.9, 1.5, 3),
+        (2.9, 1.6, 2),
         (40.0, 0.0, 16),
     ] {
         assert_eq!(s.probes(&t, texels(major, minor)), want, "{major} {minor}");

@@ -123,20 +123,21 @@ pub(super) fn s7() -> Result<Vec<Measurement>, LabError> {
         let found = sampler(1).sample_grad(&gauge, [0.5, 0.5], d)[0];
         own = own.max((f64::from(found) - level).abs());
         columns = columns.max((f64::from(sampler(1).lod(&gauge, d)) - level).abs());
-        // The number of probes is the ratio of the axes rounded up: 1e-4 beside a whole ratio it must not err.
-        let ratio = random.range(2.0, 14.0).floor();
+        // The number of probes is 1 + 1.1 (ratio - 1) rounded up: at a ratio 1e-4 beside one of a whole number it must not err.
+        let probes = random.range(2.0, 14.0).floor();
         let above = random.bits() & 1 == 1;
-        let near = ratio * if above { 1.0001 } else { 0.9999 };
+        let near = (1.0 + (probes - 1.0) / 1.1) * if above { 1.0001 } else { 0.9999 };
         let d = footprint(f64::from(SIDE), 24.0, 24.0 / near, a, b);
-        let expected = ratio as u32 + u32::from(above);
+        let expected = probes as u32 + u32::from(above);
         wrong += u32::from(sampler(16).probes(&gauge, d) != expected);
         let length = |x: f32, y: f32| f64::from(x).hypot(f64::from(y));
         let (x, y) = (length(d.du_dx, d.dv_dx), length(d.du_dy, d.dv_dy));
-        wrong_columns += u32::from((x.max(y) / x.min(y)).ceil() as u32 != expected);
+        let of_columns = 1.0 + 1.1 * (x.max(y) / x.min(y) - 1.0);
+        wrong_columns += u32::from(of_columns.ceil() as u32 != expected);
     }
     let (level, count) = (
         "error of the level of detail",
-        "wrong probe counts of 2000, ratios 1e-4 beside whole ones",
+        "wrong probe counts of 2000, ratios 1e-4 beside those of whole counts",
     );
     Ok(measured![
         "axes of the ellipse", level => own;
