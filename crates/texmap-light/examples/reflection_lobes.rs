@@ -20,7 +20,7 @@ const TERMS: usize = LOBES + 1;
 /// Below this roughness the tail of the lobe is left to the lobes.
 const EVEN_FROM: f64 = 0.3;
 /// Least and largest lean, and factor of roughness.
-const RANGES: [(f64, f64); 2] = [(-1.5, 1.0), (0.7, 1.0)];
+const RANGES: [(f64, f64); 2] = [(-1.5, 1.0), (0.5, 1.0)];
 
 fn main() {
     let table = table();
