@@ -1,11 +1,11 @@
-// Runs a WASI program with the given folders as /assets, /data and /work: node wasi.mjs PROGRAM.wasm ASSETS DATA WORK
+// Runs a WASI program with the given folders as /assets, /data and /work: node wasi.mjs PROGRAM.wasm ASSETS DATA WORK [STEP]
 import { readFile } from 'node:fs/promises';
 import { WASI } from 'node:wasi';
 
-const [program, assets, data, work] = process.argv.slice(2);
+const [program, assets, data, work, ...step] = process.argv.slice(2);
 const wasi = new WASI({
   version: 'preview1',
-  args: ['texmap-targets', '/assets', '/data', '/work'],
+  args: ['texmap-targets', '/assets', '/data', '/work', ...step],
   preopens: { '/assets': assets, '/data': data, '/work': work },
 });
 const module = await WebAssembly.compile(await readFile(program));
