@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use texmap_math::bary;
 use texmap_math::glam::{DVec2, DVec3, Vec3Swizzles};
 
 use crate::DepthStrip;
@@ -75,12 +76,10 @@ impl Facet {
 
     /// True if the facet covers a texel's centre and a stored depth lies before it there.
     fn lies_under(&self, centre: DVec2, stored: f32) -> bool {
-        let [a, b, c] = self.corners;
-        let (u, v, to) = (b - a, c - a, centre - a.xy());
-        let area = u.xy().perp_dot(v.xy());
-        let (s, t) = (to.perp_dot(v.xy()) / area, u.xy().perp_dot(to) / area);
-        let depth = a.z + u.z * s + v.z * t;
-        s >= 0.0 && t >= 0.0 && s + t <= 1.0 && stored > depth as f32 * (1.0 + ROUNDING)
+        bary::screen(self.corners.map(DVec3::xy), centre).is_some_and(|weights| {
+            let depth = bary::blend(weights, self.corners.map(|corner| corner.z));
+            weights.iter().all(|weight| *weight >= 0.0) && stored > depth as f32 * (1.0 + ROUNDING)
+        })
     }
 
     fn edges(&self) -> [Edge; 3] {
