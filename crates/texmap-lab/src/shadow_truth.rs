@@ -14,7 +14,7 @@ use crate::shadow_scene::{HALF, ShadowScene, across};
 
 /// Points of the band that are looked at: eight on its rim, the others spread within, so dense that a shadow narrower than a texel is met.
 const RIM: u32 = 8;
-const PLACES: u32 = 200;
+const SAMPLES: u32 = 200;
 
 /// Points of a scene that face a light, each with the truth about its shadow.
 #[derive(Debug)]
@@ -203,8 +203,8 @@ impl<'s> ShadowTruth<'s> {
     /// True if the light differs anywhere within `reach` of a point, seen from the light.
     fn near_edge(&self, point: &Point, reach: f64) -> bool {
         let (a, b) = across(self.to_light(point.at).normalize());
-        (0..PLACES).any(|k| {
-            let within = f64::from(k.saturating_sub(RIM)) / f64::from(PLACES - RIM);
+        (0..SAMPLES).any(|k| {
+            let within = f64::from(k.saturating_sub(RIM)) / f64::from(SAMPLES - RIM);
             let (radius, turn) = if k < RIM {
                 (1.0, f64::from(k) * std::f64::consts::FRAC_PI_4)
             } else {

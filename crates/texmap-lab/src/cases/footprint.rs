@@ -97,6 +97,8 @@ fn level_gauge(side: u32) -> Result<Texture2d<'static>, LabError> {
 /// S7: footprints turned and sheared by any angle: level and axes of the ellipse, not of the columns.
 pub(super) fn s7() -> Result<Vec<Measurement>, LabError> {
     const SIDE: u32 = 1024;
+    // Probes for each short axis after the first.
+    const PER_AXIS: f64 = 1.1;
     let gauge = level_gauge(SIDE)?;
     let sampler = |most| Sampler {
         filter: Filter::Anisotropic(most),
@@ -123,16 +125,16 @@ pub(super) fn s7() -> Result<Vec<Measurement>, LabError> {
         let found = sampler(1).sample_grad(&gauge, [0.5, 0.5], d)[0];
         own = own.max((f64::from(found) - level).abs());
         columns = columns.max((f64::from(sampler(1).lod(&gauge, d)) - level).abs());
-        // The number of probes is 1 + 1.1 (ratio - 1) rounded up: at a ratio 1e-4 beside one of a whole number it must not err.
+        // The number of probes is that of the ratio rounded up: at a ratio 1e-4 beside one of a whole number it must not err.
         let probes = random.range(2.0, 14.0).floor();
         let above = random.bits() & 1 == 1;
-        let near = (1.0 + (probes - 1.0) / 1.1) * if above { 1.0001 } else { 0.9999 };
+        let near = (1.0 + (probes - 1.0) / PER_AXIS) * if above { 1.0001 } else { 0.9999 };
         let d = footprint(f64::from(SIDE), 24.0, 24.0 / near, a, b);
         let expected = probes as u32 + u32::from(above);
         wrong += u32::from(sampler(16).probes(&gauge, d) != expected);
         let length = |x: f32, y: f32| f64::from(x).hypot(f64::from(y));
         let (x, y) = (length(d.du_dx, d.dv_dx), length(d.du_dy, d.dv_dy));
-        let of_columns = 1.0 + 1.1 * (x.max(y) / x.min(y) - 1.0);
+        let of_columns = 1.0 + PER_AXIS * (x.max(y) / x.min(y) - 1.0);
         wrong_columns += u32::from(of_columns.ceil() as u32 != expected);
     }
     let (level, count) = (
