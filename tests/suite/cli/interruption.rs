@@ -78,7 +78,7 @@ fn is_ignored(number: u32) -> bool {
 fn a_signal_leaves_nothing_of_standard_input() {
     let desk = Desk::new();
     let mut child = Command::new(env!("CARGO_BIN_EXE_texmap-tested"))
-        .args("render - -o turn.gif --turntable 90000 --resolution 40x30".split(' '))
+        .args("render - -o turn.gif --turntable 3000 --resolution 120x90".split(' '))
         .current_dir(desk.path("."))
         .env("TMPDIR", desk.path("."))
         .stdin(std::fs::File::open(desk.path("m.obj")).unwrap())
