@@ -1,13 +1,16 @@
 //! `sample/<filter>/<precision>/<level>`: a perspective floor, run by run, against the loop that
 //! only computes the coordinates (`sample/coordinates/-/<level>`). Acceptance is by ratio in one run:
-//! `cargo bench -p texmap-benches --bench sample`.
+//! `cargo bench -p texmap-benches --bench sample`. `mips/<kind>`: mip chains, a texel of the base.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use texmap_benches::textures::squares;
 use texmap_math::{Footprint, Level};
-use texmap_sample::{Cubic, Filter, Precision, Sampler, sample_rgba8_slice, sample_slice};
+use texmap_sample::{
+    ColorSpace, Cubic, Filter, Origin, Precision, Sampler, Texture2d, sample_rgba8_slice,
+    sample_slice,
+};
 
 const WIDTH: usize = 1920;
 const ROWS: usize = 540;
@@ -132,5 +135,31 @@ fn floor(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, floor);
+/// A mip chain of each kind, with a copy of its base level.
+fn mips(c: &mut Criterion) {
+    let mut group = c.benchmark_group("mips");
+    group.sample_size(20);
+    for (name, side, color, normals) in [
+        ("bytes", 1024, ColorSpace::Linear, false),
+        ("srgb", 1024, ColorSpace::Srgb, false),
+        ("normals", 1024, ColorSpace::Linear, true),
+        ("odd", 1023, ColorSpace::Srgb, false),
+    ] {
+        let texels = (0..side * side).flat_map(|i: u32| {
+            let [r, g, b, _] = (i.wrapping_mul(0x9e37_79b1) ^ (i >> 7)).to_be_bytes();
+            [r, g, b, 255]
+        });
+        let base = Texture2d::from_rgba8(side, side, texels.collect(), color, Origin::TopLeft)
+            .expect("a texture");
+        group.throughput(Throughput::Elements(u64::from(side * side)));
+        group.bench_function(name, |b| {
+            b.iter(|| match normals {
+                true => base.clone().with_normal_mips(),
+                false => base.clone().with_mips(),
+            });
+        });
+    }
+}
+
+criterion_group!(benches, floor, mips);
 criterion_main!(benches);

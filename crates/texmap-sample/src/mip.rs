@@ -1,9 +1,11 @@
 //! Mip chains.
 
-use crate::encoded::Encoded;
+mod row;
+mod stream;
+
 use crate::texel_data::{Chain, Format, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
-use texmap_math::float::sqrt_f32;
+use texmap_math::Level as SimdLevel;
 
 /// Property of the base that a level keeps besides the area-weighted mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +25,8 @@ pub(crate) enum Reduce {
 /// polyphase box of Guthe and Heckbert, "Non-power-of-two mipmapping", 2005).
 pub(crate) fn build(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
     if matches!(reduce, Reduce::Mean | Reduce::Normals) {
-        return stream(base, reduce);
+        let level = SimdLevel::try_detect().unwrap_or(SimdLevel::baseline());
+        return stream::stream(level, base, reduce);
     }
     let first = Level {
         offset: 0,
@@ -130,170 +133,6 @@ fn owned(words: Words<'_>) -> Vec<u32> {
     }
 }
 
-/// [`build`] where each texel of a level depends on few above it. All levels grow together, row by row,
-/// so that beside the chain itself no more than three rows a level are held.
-fn stream(base: Chain<'_>, reduce: Reduce) -> Chain<'static> {
-    let first = base.levels[0];
-    let Chain {
-        words,
-        encoded,
-        format,
-        flip,
-        opaque,
-        sums,
-        ..
-    } = base;
-    let mut words = owned(words);
-    let base_words = match &encoded {
-        Some(_) => 0,
-        None => texels(&first) * format.words(),
-    };
-    words.truncate(base_words);
-    let mut levels = Vec::from([first]);
-    let mut total = base_words;
-    let mut size = first;
-    while size.width > 1 || size.height > 1 {
-        size = Level {
-            offset: total,
-            width: (size.width / 2).max(1),
-            height: (size.height / 2).max(1),
-            depth: size.depth,
-        };
-        total += texels(&size) * format.words();
-        levels.push(size);
-    }
-    words.reserve_exact(total - base_words);
-    words.resize(total, 0);
-    let (source, rest) = words.split_at_mut(base_words);
-    let mut packed = Vec::with_capacity(first.width as usize * format.words());
-    for z in 0..first.depth {
-        let mut pending: Vec<Pending> = levels
-            .windows(2)
-            .map(|pair| Pending::new(pair[0], pair[1]))
-            .collect();
-        for y in 0..first.height {
-            let start = (z * first.height + y) as usize * first.width as usize;
-            let end = start + first.width as usize;
-            let mut row: Vec<[f32; 4]> = match &encoded {
-                Some(encoded) => (0..first.width)
-                    .map(|x| encoded.base_texel(first.width, x, y))
-                    .collect(),
-                None => format.fetch_row(&source[start * format.words()..end * format.words()]),
-            };
-            let mut at = y;
-            for level in &mut pending {
-                let Some((done, reduced)) = level.feed(at, row) else {
-                    break;
-                };
-                packed.clear();
-                match reduce {
-                    Reduce::Normals => {
-                        let units = format.units();
-                        let unit = reduced.iter().map(|c| normalized(*c, units));
-                        format.push_row(&mut packed, &unit.collect::<Vec<_>>());
-                    }
-                    _ => format.push_row(&mut packed, &reduced),
-                }
-                let next = &level.next;
-                let rows = (z * next.height + done) as usize * next.width as usize;
-                let start = next.offset - base_words + rows * format.words();
-                rest[start..start + packed.len()].copy_from_slice(&packed);
-                (at, row) = (done, reduced);
-            }
-        }
-    }
-    let encoded = match encoded {
-        Some(Encoded::Blocks(blocks)) => {
-            let blocks = blocks.base(&first);
-            words = blocks.append(&mut levels, &words);
-            Some(Encoded::Blocks(blocks))
-        }
-        encoded => encoded,
-    };
-    Chain {
-        words: Words::Owned(Arc::new(words)),
-        encoded,
-        format,
-        levels,
-        flip,
-        opaque,
-        sums,
-    }
-}
-
-/// A level that waits for rows of the level above.
-struct Pending {
-    above: Level,
-    next: Level,
-    /// The row to come.
-    row: i32,
-    /// Row y of the level above stands at index y modulo 3. Floats, so that rounding does not add up
-    /// along the chain.
-    rows: [Vec<[f32; 4]>; 3],
-}
-
-impl Pending {
-    fn new(above: Level, next: Level) -> Self {
-        Self {
-            above,
-            next,
-            row: 0,
-            rows: [const { Vec::new() }; 3],
-        }
-    }
-
-    /// Takes row `y` of the level above; gives a row of this level when its last source has come.
-    fn feed(&mut self, y: i32, row: Vec<[f32; 4]>) -> Option<(i32, Vec<[f32; 4]>)> {
-        self.rows[(y % 3) as usize] = row;
-        let (y0, wy) = taps(self.row, self.above.height);
-        let count = wy.iter().filter(|w| **w > 0.0).count() as i32;
-        if self.row >= self.next.height || y + 1 < y0 + count {
-            return None;
-        }
-        let reduced = match (self.above.width % 2, self.above.height % 2) {
-            (0, 0) => {
-                let [upper, lower] =
-                    [y0, y0 + 1].map(|j| self.rows[(j % 3) as usize].as_chunks().0);
-                let blocks = upper.iter().zip(lower);
-                blocks.map(|([a, b], [c, d])| mean(a, b, c, d)).collect()
-            }
-            _ => self.weighted(y0, wy),
-        };
-        self.row += 1;
-        Some((self.row - 1, reduced))
-    }
-
-    /// A row of sides of any length.
-    fn weighted(&self, y0: i32, wy: [f64; 3]) -> Vec<[f32; 4]> {
-        (0..self.next.width)
-            .map(|x| {
-                let (x0, wx) = taps(x, self.above.width);
-                let mut sum = [0.0_f64; 4];
-                for (j, wy) in (y0..).zip(wy).filter(|(_, w)| *w > 0.0) {
-                    let row = &self.rows[(j % 3) as usize];
-                    for (i, wx) in (x0..).zip(wx).filter(|(_, w)| *w > 0.0) {
-                        for (s, c) in sum.iter_mut().zip(row[i as usize]) {
-                            *s += wx * wy * f64::from(c);
-                        }
-                    }
-                }
-                sum.map(|s| s as f32)
-            })
-            .collect()
-    }
-}
-
-/// The mean of four texels: the weighted sum with weights of a quarter, which are exact and may come last.
-#[inline(always)]
-fn mean(a: &[f32; 4], b: &[f32; 4], c: &[f32; 4], d: &[f32; 4]) -> [f32; 4] {
-    let mut mean = [0.0; 4];
-    for k in 0..4 {
-        let [a, b, c, d] = [a[k], b[k], c[k], d[k]].map(f64::from);
-        mean[k] = ((0.0 + a + b + c + d) * 0.25) as f32;
-    }
-    mean
-}
-
 fn halve(
     size: &Level,
     next: &Level,
@@ -342,26 +181,6 @@ fn taps(i: i32, n: i32) -> (i32, [f64; 3]) {
         let k = f64::from(i);
         (2 * i, [(m - k) / n, m / n, (k + 1.0) / n])
     }
-}
-
-/// The unit vector along a mean of unit vectors; +z where they cancel.
-fn normalized(c: [f32; 4], units: f32) -> [f32; 4] {
-    let n = [0, 1, 2].map(|k| 2.0 * c[k] / units - 1.0);
-    let mut n = n;
-    let mut length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if !length2.is_finite() {
-        // Floats whose squares are too large.
-        n = n.map(|x| x * 1e-36);
-        length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    }
-    let [x, y, z] = if length2 > 1e-12 {
-        let length = sqrt_f32(length2);
-        n.map(|x| x / length)
-    } else {
-        [0.0, 0.0, 1.0]
-    };
-    let back = |x: f32| (x + 1.0) * 0.5 * units;
-    [back(x), back(y), back(z), c[3]]
 }
 
 fn base_alpha(words: &[u32], format: Format) -> Vec<[f32; 4]> {

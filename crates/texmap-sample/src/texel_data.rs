@@ -75,40 +75,19 @@ impl Format {
         }
     }
 
-    /// Appends one texel given in unscaled values: a [row](Self::push_row) of one.
+    /// Appends one texel given in unscaled values (integers are rounded half up and clamped).
     pub(crate) fn push(self, words: &mut Vec<u32>, c: [f32; 4]) {
-        self.push_row(words, &[c]);
-    }
-
-    /// Appends a row of texels given in unscaled values (integers are rounded half up and clamped).
-    pub(crate) fn push_row(self, words: &mut Vec<u32>, row: &[[f32; 4]]) {
         match self {
-            Self::Rgba8 => words.extend(row.iter().map(|c| {
-                let [r, g, b, a] = rounded_words(*c, 255.0);
-                r | g << 8 | b << 16 | a << 24
-            })),
-            Self::Rgba16 => words.extend(row.iter().flat_map(|c| {
-                let [r, g, b, a] = rounded_words(*c, 65535.0);
-                [r | g << 16, b | a << 16]
-            })),
-            Self::Rgba32 => words.extend(row.as_flattened().iter().map(|c| c.to_bits())),
-            Self::R32 => words.extend(row.iter().map(|c| c[0].to_bits())),
-        }
-    }
-
-    /// The unscaled texels of a row of words: [`fetch`](Self::fetch) for each.
-    pub(crate) fn fetch_row(self, words: &[u32]) -> Vec<[f32; 4]> {
-        match self {
-            Self::Rgba8 => words.iter().map(|w| Self::Rgba8.fetch(&[*w], 0)).collect(),
+            Self::Rgba8 => {
+                let [r, g, b, a] = rounded_words(c, 255.0);
+                words.push(r | g << 8 | b << 16 | a << 24);
+            }
             Self::Rgba16 => {
-                let texels = words.as_chunks::<2>().0.iter();
-                texels.map(|w| Self::Rgba16.fetch(w, 0)).collect()
+                let [r, g, b, a] = rounded_words(c, 65535.0);
+                words.extend([r | g << 16, b | a << 16]);
             }
-            Self::Rgba32 => {
-                let texels = words.as_chunks::<4>().0.iter();
-                texels.map(|w| Self::Rgba32.fetch(w, 0)).collect()
-            }
-            Self::R32 => words.iter().map(|w| Self::R32.fetch(&[*w], 0)).collect(),
+            Self::Rgba32 => words.extend(c.map(f32::to_bits)),
+            Self::R32 => words.push(c[0].to_bits()),
         }
     }
 

@@ -84,6 +84,10 @@ fn every_operation<I: ByteIsa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 
     let [low, high] = i.interleave(w, v);
     low.store(&mut by_turns);
     high.store(&mut by_turns[I::LANES..]);
+    let mut apart = [0; 32];
+    let [even, odd] = i.deinterleave(low, high);
+    even.store(&mut apart);
+    odd.store(&mut apart[I::LANES..]);
     let positive = wide.simd_gt(0.0).select(wide, i.f64(2.0)).sqrt();
     let floats = [
         x + y,
@@ -188,6 +192,7 @@ fn every_operation<I: ByteIsa>(i: I, at: usize, table: &[u32], out: &mut [[u32; 
     for lane in 0..I::LANES {
         let pair = [WORDS[at + lane], WORDS[at + lane] >> 2 & 31];
         assert_eq!(by_turns[2 * lane..2 * lane + 2], pair);
+        assert_eq!([apart[lane], apart[I::LANES + lane]], pair);
     }
     let pairs = wide.simd_lt(positive) | !wide.simd_ge(0.0);
     assert_eq!(pairs.any_true(), pairs.to_bitmask() != 0);

@@ -252,6 +252,8 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     }
     /// The lanes of `a` and `b` by turns: a0, b0, a1, b1 ...
     fn interleave(self, a: Self::U32, b: Self::U32) -> [Self::U32; 2];
+    /// The even and the odd lanes of `a` and, behind them, of `b`: [`interleave`](Self::interleave) undone.
+    fn deinterleave(self, a: Self::U32, b: Self::U32) -> [Self::U32; 2];
     /// The x, the y and the z of [`LANES`](Self::LANES) vectors.
     fn load_xyz(self, vectors: &[[f32; 3]]) -> [Self::F32; 3];
 }

@@ -364,6 +364,10 @@ impl Isa for Scalar {
         [a, b]
     }
     #[inline(always)]
+    fn deinterleave(self, a: One<u32>, b: One<u32>) -> [One<u32>; 2] {
+        [a, b]
+    }
+    #[inline(always)]
     fn load_xyz(self, vectors: &[[f32; 3]]) -> [f32; 3] {
         vectors[0]
     }

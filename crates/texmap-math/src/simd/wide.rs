@@ -396,6 +396,11 @@ impl<S: Simd> Isa for X4<S> {
         [low, high]
     }
     #[inline(always)]
+    fn deinterleave(self, a: u32x4<S>, b: u32x4<S>) -> [u32x4<S>; 2] {
+        let (even, odd) = self.0.deinterleave_u32x4(a, b);
+        [even, odd]
+    }
+    #[inline(always)]
     fn load_xyz(self, vectors: &[[f32; 3]]) -> [f32x4<S>; 3] {
         shuffle::load_xyz_x4(self.0, vectors.as_flattened())
     }
@@ -485,6 +490,11 @@ impl<S: Simd> Isa for X16<S> {
     fn interleave(self, a: u32x16<S>, b: u32x16<S>) -> [u32x16<S>; 2] {
         let (low, high) = self.0.interleave_u32x16(a, b);
         [low, high]
+    }
+    #[inline(always)]
+    fn deinterleave(self, a: u32x16<S>, b: u32x16<S>) -> [u32x16<S>; 2] {
+        let (even, odd) = self.0.deinterleave_u32x16(a, b);
+        [even, odd]
     }
     #[inline(always)]
     fn load_xyz(self, vectors: &[[f32; 3]]) -> [f32x16<S>; 3] {
