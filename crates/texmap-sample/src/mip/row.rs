@@ -71,15 +71,37 @@ impl Row {
     /// The weighted sums of texels 2x, 2x + 1 and 2x + 2 of `rows`, as many as there are weights.
     #[inline(always)]
     pub(super) fn reduce<I: Isa>(&mut self, i: I, rows: &[&Self], wy: &[f64], wx: &[Vec<f64>]) {
+        // Two weights are halves, and a quarter is exact and may come last.
+        match (wx.len(), wy.len()) {
+            (2, 2) => self.sums::<I, true>(i, rows, wy, wx),
+            _ => self.sums::<I, false>(i, rows, wy, wx),
+        }
+    }
+
+    /// The sums of [`reduce`](Self::reduce); `MEANS` are those of two by two texels.
+    #[inline(always)]
+    fn sums<I: Isa, const MEANS: bool>(
+        &mut self,
+        i: I,
+        rows: &[&Self],
+        wy: &[f64],
+        wx: &[Vec<f64>],
+    ) {
         for at in (0..self.width).step_by(I::LANES) {
             let mut sums = [i.f64(0.0); 4];
             for (row, wy) in rows.iter().zip(wy) {
                 let mut weights = [i.f64(0.0); 3];
-                for (weight, wx) in weights.iter_mut().zip(wx) {
-                    *weight = i.load_f64(&wx[at..]) * *wy;
+                if !MEANS {
+                    for (weight, wx) in weights.iter_mut().zip(wx) {
+                        *weight = i.load_f64(&wx[at..]) * *wy;
+                    }
                 }
                 for (sum, plane) in sums.iter_mut().zip(&row.planes) {
                     let [first, second] = pairs(i, &plane[2 * at..]);
+                    if MEANS {
+                        *sum = *sum + i.widen(first) + i.widen(second);
+                        continue;
+                    }
                     *sum = *sum + weights[0] * i.widen(first);
                     if wx.len() > 1 {
                         *sum = *sum + weights[1] * i.widen(second);
@@ -91,6 +113,7 @@ impl Row {
                 }
             }
             for (plane, sum) in self.planes.iter_mut().zip(sums) {
+                let sum = if MEANS { sum * 0.25 } else { sum };
                 i.narrow(sum).store(&mut plane[at..]);
             }
         }
