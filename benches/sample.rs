@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use texmap_benches::textures::squares;
+use texmap_benches::textures::{square_texels, squares};
 use texmap_math::{Footprint, Level};
 use texmap_sample::{
     ColorSpace, Cubic, Filter, Origin, Precision, Sampler, Texture2d, sample_rgba8_slice,
@@ -145,11 +145,7 @@ fn mips(c: &mut Criterion) {
         ("normals", 1024, ColorSpace::Linear, true),
         ("odd", 1023, ColorSpace::Srgb, false),
     ] {
-        let texels = (0..side * side).flat_map(|i: u32| {
-            let [r, g, b, _] = (i.wrapping_mul(0x9e37_79b1) ^ (i >> 7)).to_be_bytes();
-            [r, g, b, 255]
-        });
-        let base = Texture2d::from_rgba8(side, side, texels.collect(), color, Origin::TopLeft)
+        let base = Texture2d::from_rgba8(side, side, square_texels(side), color, Origin::TopLeft)
             .expect("a texture");
         group.throughput(Throughput::Elements(u64::from(side * side)));
         group.bench_function(name, |b| {

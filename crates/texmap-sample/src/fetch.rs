@@ -30,8 +30,8 @@ pub(crate) fn fetch<I: Isa, const FORMAT: u8>(
     match of_view::<FORMAT>(view) {
         SCALAR_FETCH => view.apart.fetch(i, word),
         BLOCKS => fetch_in_blocks(i, view, word),
-        RGBA16 => color16(i, view, i.gather_pairs(view.words, word)),
-        _ => color8(i, view, i.gather(view.words, word)),
+        RGBA16 => color16(i, view.opaque, i.gather_pairs(view.words, word)),
+        _ => color8(i, view.opaque, i.gather(view.words, word)),
     }
 }
 
@@ -47,7 +47,7 @@ fn fetch_in_blocks<I: Isa>(i: I, view: &BoundTexture<'_>, texel: I::U32) -> Colo
         return blocks.decoded(i, texel);
     }
     let word = ((texel - blocks.texels) << 1).max(i.i32(0)).to_u32();
-    let words = color16(i, view, i.gather_pairs(view.words, word));
+    let words = color16(i, view.opaque, i.gather_pairs(view.words, word));
     if made.all_true() {
         return words;
     }
@@ -77,11 +77,11 @@ pub(crate) fn fetch_two<I: Isa, const FORMAT: u8>(
                     i.gather_pairs(view.words, word + 2),
                 ),
             };
-            [color16(i, view, a), color16(i, view, b)]
+            [color16(i, view.opaque, a), color16(i, view.opaque, b)]
         }
         _ => {
             let [a, b] = i.gather_pairs(view.words, word);
-            [color8(i, view, a), color8(i, view, b)]
+            [color8(i, view.opaque, a), color8(i, view.opaque, b)]
         }
     }
 }
@@ -98,10 +98,10 @@ pub(crate) fn fetch_four<I: Isa, const FORMAT: u8>(
         && let Some([a, b, c, d]) = i.gather_quads(view.words, word)
     {
         return [
-            color8(i, view, a),
-            color8(i, view, b),
-            color8(i, view, c),
-            color8(i, view, d),
+            color8(i, view.opaque, a),
+            color8(i, view.opaque, b),
+            color8(i, view.opaque, c),
+            color8(i, view.opaque, d),
         ];
     }
     let [a, b] = fetch_two::<I, FORMAT>(i, view, word);
@@ -115,9 +115,10 @@ fn to_f32<I: Isa>(c: I::U32) -> I::F32 {
     c.to_i32().to_f32()
 }
 
+/// The bytes of a texel.
 #[inline(always)]
-fn color8<I: Isa>(i: I, view: &BoundTexture<'_>, c: I::U32) -> Color<I> {
-    let alpha = if view.opaque {
+pub(crate) fn color8<I: Isa>(i: I, opaque: bool, c: I::U32) -> Color<I> {
+    let alpha = if opaque {
         i.f32(255.0)
     } else {
         to_f32::<I>(c >> 24)
@@ -130,9 +131,10 @@ fn color8<I: Isa>(i: I, view: &BoundTexture<'_>, c: I::U32) -> Color<I> {
     ]
 }
 
+/// The four values of 16 bits of a texel.
 #[inline(always)]
-fn color16<I: Isa>(i: I, view: &BoundTexture<'_>, [a, b]: [I::U32; 2]) -> Color<I> {
-    let alpha = if view.opaque {
+pub(crate) fn color16<I: Isa>(i: I, opaque: bool, [a, b]: [I::U32; 2]) -> Color<I> {
+    let alpha = if opaque {
         i.f32(65535.0)
     } else {
         to_f32::<I>(b >> 16)

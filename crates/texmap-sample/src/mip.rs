@@ -170,7 +170,15 @@ fn halve(
     reduced
 }
 
-/// First source texel and the three weights of target texel `i` on an axis of `n` texels.
+/// How many texels of an axis of `n` make one of the next level.
+fn tap_count(n: i32) -> usize {
+    match n {
+        1 => 1,
+        _ => 2 + (n % 2) as usize,
+    }
+}
+
+/// First source texel and the three weights of target texel `i` on an axis of `n` texels; those beyond the [count](tap_count) are 0.
 fn taps(i: i32, n: i32) -> (i32, [f64; 3]) {
     if n == 1 {
         (0, [1.0, 0.0, 0.0])

@@ -2,6 +2,7 @@
 
 use alloc::{vec, vec::Vec};
 
+use crate::fetch::{color8, color16};
 use crate::texel_data::Format;
 use texmap_math::simd::{Isa, prelude::*};
 
@@ -150,23 +151,10 @@ fn pairs<I: Isa>(i: I, values: &[f32]) -> [I::F32; 2] {
 #[inline(always)]
 fn unpack<I: Isa>(i: I, format: Format, words: &[u32]) -> [I::F32; 4] {
     match format {
-        Format::Rgba8 => {
-            let w = i.load_u32(words);
-            [
-                whole::<I>(w & 255),
-                whole::<I>(w >> 8 & 255),
-                whole::<I>(w >> 16 & 255),
-                whole::<I>(w >> 24),
-            ]
-        }
+        Format::Rgba8 => color8(i, false, i.load_u32(words)),
         Format::Rgba16 => {
-            let [rg, ba] = i.deinterleave(i.load_u32(words), i.load_u32(&words[I::LANES..]));
-            [
-                whole::<I>(rg & 65535),
-                whole::<I>(rg >> 16),
-                whole::<I>(ba & 65535),
-                whole::<I>(ba >> 16),
-            ]
+            let halves = i.deinterleave(i.load_u32(words), i.load_u32(&words[I::LANES..]));
+            color16(i, false, halves)
         }
         Format::Rgba32 => {
             let [rb0, ga0] = i.deinterleave(i.load_u32(words), i.load_u32(&words[I::LANES..]));
@@ -188,11 +176,6 @@ fn unpack<I: Isa>(i: I, format: Format, words: &[u32]) -> [I::F32; 4] {
             [x, x, x, i.f32(1.0)]
         }
     }
-}
-
-#[inline(always)]
-fn whole<I: Isa>(word: I::U32) -> I::F32 {
-    word.to_i32().to_f32()
 }
 
 /// [`unpack`] undone.

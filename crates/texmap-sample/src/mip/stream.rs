@@ -1,6 +1,6 @@
 //! Mip chains row by row, where each texel of a level depends on few above it.
 
-use super::{Reduce, owned, row::Row, taps, texels};
+use super::{Reduce, owned, row::Row, tap_count, taps, texels};
 use crate::encoded::Encoded;
 use crate::texel_data::{Chain, Level, Words};
 use alloc::{sync::Arc, vec::Vec};
@@ -44,6 +44,7 @@ pub(super) fn stream(level: SimdLevel, base: Chain<'_>, reduce: Reduce) -> Chain
     let pairs = levels.windows(2);
     let mut pending: Vec<Pending> = pairs.map(|pair| Pending::new(pair[0], pair[1])).collect();
     let mut last = Row::new(1);
+    let normals = reduce == Reduce::Normals;
     for z in 0..first.depth {
         pending.iter_mut().for_each(|level| level.row = 0);
         for y in 0..first.height {
@@ -75,7 +76,6 @@ pub(super) fn stream(level: SimdLevel, base: Chain<'_>, reduce: Reduce) -> Chain
                 let rows = (z * next.height + done) as usize * next.width as usize;
                 let start = next.offset - base_words + rows * format.words();
                 let words = &mut rest[start..start + next.width as usize * format.words()];
-                let normals = reduce == Reduce::Normals;
                 dispatch_simd!(level, i => {
                     above.reduce(i, row);
                     row.store(i, format, normals, words);
@@ -120,7 +120,6 @@ struct Pending {
 impl Pending {
     fn new(above: Level, next: Level) -> Self {
         let row = Row::new(above.width);
-        let count = taps(0, above.width).1.iter().filter(|w| **w > 0.0).count();
         // As long as whole vectors of lanes want it.
         let texels = 0..(next.width as usize).next_multiple_of(16) as i32;
         let weight = |k: usize| texels.clone().map(|x| taps(x, above.width).1[k]).collect();
@@ -129,7 +128,7 @@ impl Pending {
             next,
             row: 0,
             rows: [row.clone(), row.clone(), row],
-            weights: (0..count).map(weight).collect(),
+            weights: (0..tap_count(above.width)).map(weight).collect(),
         }
     }
 
@@ -140,8 +139,8 @@ impl Pending {
 
     /// The row of this level whose last source is row `y` of the level above.
     fn completed_by(&self, y: i32) -> Option<i32> {
-        let (y0, wy) = taps(self.row, self.above.height);
-        let count = wy.iter().filter(|w| **w > 0.0).count() as i32;
+        let (y0, _) = taps(self.row, self.above.height);
+        let count = tap_count(self.above.height) as i32;
         (self.row < self.next.height && y + 1 >= y0 + count).then_some(self.row)
     }
 
@@ -149,7 +148,7 @@ impl Pending {
     #[inline(always)]
     fn reduce<I: Isa>(&self, i: I, reduced: &mut Row) {
         let (y0, wy) = taps(self.row, self.above.height);
-        let count = wy.iter().filter(|w| **w > 0.0).count();
+        let count = tap_count(self.above.height);
         let [a, b, c] = [y0, y0 + 1, y0 + 2].map(|y| &self.rows[(y % 3) as usize]);
         reduced.reduce(i, &[a, b, c], &wy[..count], &self.weights);
     }
