@@ -86,7 +86,7 @@ pub static SRGB8_TO_LINEAR16: [u16; 256] = {
     table
 };
 
-static SRGB8_THRESHOLDS: [f32; 256] = SRGB8_THRESHOLD_TABLE;
+pub(crate) static SRGB8_THRESHOLDS: [f32; 256] = SRGB8_THRESHOLD_TABLE;
 
 /// The least f32 whose nearest 8-bit sRGB value is `i + 1`; the last is out of reach.
 const SRGB8_THRESHOLD_TABLE: [f32; 256] = {

@@ -3,8 +3,9 @@
 //!
 //! A kernel takes `i: I` where `I: Isa`, computes on `I::F32`, `I::I32`, `I::U32`, `I::F64` and masks, and is run by
 //! [`dispatch_simd!`](crate::dispatch_simd). Every operation is lane-wise and exact to the bit of its scalar form, so that neither
-//! width nor level changes a result. A kernel never asks for a fused multiply-add, an approximate reciprocal, or the minimum of
-//! floats by another name than [`F32s::above`] and [`F32s::below`].
+//! width nor level changes a result; the one that may, [`Isa::estimate_mul_add`], is for estimates that are made exact afterwards. A kernel
+//! asks for no other fused multiply-add, no approximate reciprocal, and no minimum of floats by another name than [`F32s::above`] and
+//! [`F32s::below`].
 //!
 //! ```
 //! use texmap_math::simd::{Isa, Scalar, prelude::*};

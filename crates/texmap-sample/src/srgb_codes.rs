@@ -51,10 +51,12 @@ fn encode_texels<I: Isa>(i: I, texels: &[u32], codes: &mut [u32]) {
         let at = (i.iota() << 1) + first;
         let [rg, b] = i.gather_pairs(words, at.to_u32());
         let [r, g, b] = [rg & half, rg >> 16, b & half];
-        let word = encode_srgb8(i, r.to_i32().to_f32() * scale)
-            | (encode_srgb8(i, g.to_i32().to_f32() * scale) << 8)
-            | (encode_srgb8(i, b.to_i32().to_f32() * scale) << 16)
-            | i.u32(0xff00_0000);
+        let light = [
+            r.to_i32().to_f32() * scale,
+            g.to_i32().to_f32() * scale,
+            b.to_i32().to_f32() * scale,
+        ];
+        let word = encode_srgb8(i, light) | i.u32(0xff00_0000);
         let mut lanes = [0; 16];
         word.store(&mut lanes);
         codes.copy_from_slice(&lanes[..codes.len()]);

@@ -2,7 +2,7 @@
 
 use texmap_math::fearless_simd::{dispatch, f32x16, prelude::*, u16x32, u32x16};
 use texmap_math::lanes;
-use texmap_math::simd::{F32s, Isa, Number, Scalar, X16, encode_srgb8, encode_unorm8};
+use texmap_math::simd::{Scalar, X16, encode_srgb8, encode_unorm8, prelude::*};
 use texmap_math::{color, dispatch_simd};
 use texmap_tests::levels::levels;
 
@@ -216,46 +216,61 @@ fn bytes_are_mixed_alike_on_every_level() {
     }
 }
 
-/// Every part of the table from edge to edge, both sides of every step of the scalar form, and values outside of the table.
 #[test]
-fn srgb_bytes_in_lanes_equal_the_scalar_form() {
-    let mut hard = vec![
-        0.0,
-        -0.0,
-        -1.0,
-        1.0,
-        2.0,
-        f32::INFINITY,
-        f32::NAN,
-        1e-30,
-        1e-4,
-    ];
-    for part in 0x3900_u32..=0x3f80 {
-        let start = part << 16;
-        hard.extend([0, 1, 0x7fff, 0xffff].map(|low| f32::from_bits(start + low)));
-    }
-    for byte in 0..255_u8 {
-        // The step between two bytes by bisection of the bits.
-        let (mut low, mut high) = (0, 1.0_f32.to_bits());
-        while low + 1 < high {
-            let middle = low.midpoint(high);
-            if color::linear_to_srgb8(f32::from_bits(middle)) > byte {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        hard.extend([low, high].map(f32::from_bits));
-    }
-    hard.resize(hard.len().next_multiple_of(16), 0.5);
+fn srgb_codes_in_lanes_are_those_of_the_scalar_form_for_every_f32() {
     for (name, level) in levels() {
-        for sixteen in hard.as_chunks::<16>().0 {
-            let found: [u32; 16] = dispatch!(level, s => {
-                encode_srgb8(X16(s), f32x16::from_slice(s, sixteen)).into()
-            });
-            for (&x, found) in sixteen.iter().zip(found) {
-                assert_eq!(found, u32::from(color::linear_to_srgb8(x)), "{name} {x:e}");
-            }
+        dispatch_simd!(level, i => compare_all_codes(i, name));
+        for x in [
+            0.0,
+            -0.0,
+            -1.0,
+            2.0,
+            f32::INFINITY,
+            -f32::INFINITY,
+            f32::NAN,
+            1e-30,
+        ] {
+            dispatch_simd!(level, i => compare_codes(i, name, [x, 0.2, 0.2]));
+            dispatch_simd!(level, i => compare_codes(i, name, [0.2, x, 0.2]));
+            dispatch_simd!(level, i => compare_codes(i, name, [0.2, 0.2, x]));
         }
     }
+}
+
+/// All floats between the one that is sRGB 0 for sure and 1, each channel the lanes behind those of the one before.
+#[inline(always)]
+fn compare_all_codes<I: Isa>(i: I, name: &str) {
+    let mut bits = [0, 1, 2].map(|k| i.iota().to_u32() + (0x38ff_ffd0 + k * I::LANES as u32));
+    for first in (0x38ff_ffd0..0x3f80_0030_u32).step_by(3 * I::LANES) {
+        let codes = encode_srgb8(i, bits.map(|bits| bits.to_f32_bits()));
+        let code = |bits| u32::from(color::linear_to_srgb8(f32::from_bits(bits)));
+        // The scalar form never falls: what is equal at both ends is equal between them.
+        let last = first + 3 * I::LANES as u32 - 1;
+        if code(first) == code(last) {
+            let expected = code(first) * 0x1_0101;
+            assert!(codes.simd_eq(expected).all_true(), "{name} {first:x}");
+        } else {
+            for k in 0..I::LANES as u32 {
+                let at = [0, 1, 2].map(|channel| first + channel * I::LANES as u32 + k);
+                let [r, g, b] = at.map(code);
+                let expected = r | (g << 8) | (b << 16);
+                assert_eq!(lane(i, codes, k), expected, "{name} {at:x?}");
+            }
+        }
+        bits = bits.map(|bits| bits + 3 * I::LANES as u32);
+    }
+}
+
+#[inline(always)]
+fn compare_codes<I: Isa>(i: I, name: &str, colour: [f32; 3]) {
+    let [r, g, b] = colour.map(|c| u32::from(color::linear_to_srgb8(c)));
+    let codes = encode_srgb8(i, colour.map(|c| i.f32(c)));
+    let equal = codes.simd_eq(r | (g << 8) | (b << 16));
+    assert!(equal.all_true(), "{name} {colour:?}: {codes:?}");
+}
+
+fn lane<I: Isa>(_: I, x: I::U32, k: u32) -> u32 {
+    let mut lanes = [0; 16];
+    x.store(&mut lanes);
+    lanes[k as usize]
 }

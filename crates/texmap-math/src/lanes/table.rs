@@ -41,7 +41,7 @@ pub fn lookup8<S: Simd>(s: S, table: &[f32; 8], index: u32x16<S>) -> f32x16<S> {
     f32x16::from_slice(s, &lanes.map(|i: u32| table[i as usize & 7]))
 }
 
-/// The words of a table of sixteen at sixteen indices below 16.
+/// The words of a table of sixteen at sixteen indices, of which the last four bits count.
 #[inline(always)]
 pub fn lookup16<S: Simd>(s: S, table: &[u32; 16], index: u32x16<S>) -> u32x16<S> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

@@ -188,6 +188,10 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     /// Rounded to nearest.
     fn narrow(self, x: Self::F64) -> Self::F32;
 
+    /// `a b + c`, rounded once or twice: whichever the level does faster. For estimates alone, whose users give the same result
+    /// for both.
+    fn estimate_mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
+
     /// The words at `index`; an index beyond the end reads the last word.
     fn gather(self, words: GatherTable<'_>, index: Self::U32) -> Self::U32;
     /// The words at `index` and those behind them. If one of the two lies beyond the end, both hold no meaning.
@@ -201,7 +205,7 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     fn is_wide(self) -> bool;
     /// `table[index]` for indices below 8.
     fn table8(self, table: &[f32; 8], index: Self::U32) -> Self::F32;
-    /// `table[index]` for indices below 16.
+    /// `table[index % 16]`.
     fn table16(self, table: &[u32; 16], index: Self::U32) -> Self::U32;
 
     /// Runs `f` with these instructions enabled. `f` must be `#[inline(always)]`.

@@ -303,6 +303,10 @@ impl Isa for Scalar {
         x as f32
     }
     #[inline(always)]
+    fn estimate_mul_add(self, a: f32, b: f32, c: f32) -> f32 {
+        a * b + c
+    }
+    #[inline(always)]
     fn gather(self, words: GatherTable<'_>, index: One<u32>) -> One<u32> {
         One(words.get(index.0))
     }

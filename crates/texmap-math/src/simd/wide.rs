@@ -328,6 +328,10 @@ impl<S: Simd> Isa for X4<S> {
         mask64x4::from_bitmask(self.0, u64::from(bits & 15))
     }
     #[inline(always)]
+    fn estimate_mul_add(self, a: f32x4<S>, b: f32x4<S>, c: f32x4<S>) -> f32x4<S> {
+        a * b + c
+    }
+    #[inline(always)]
     fn widen(self, x: f32x4<S>) -> f64x4<S> {
         let (low, high) = self.0.widen_f32x4(x);
         self.0.combine_f64x2(low, high)
@@ -431,6 +435,14 @@ impl<S: Simd> Isa for X16<S> {
     fn mask64_from_bits(self, bits: u32) -> Pair<mask64x8<S>> {
         let half = |bits: u32| mask64x8::from_bitmask(self.0, u64::from(bits & 255));
         Pair(half(bits), half(bits >> 8))
+    }
+    #[inline(always)]
+    fn estimate_mul_add(self, a: f32x16<S>, b: f32x16<S>, c: f32x16<S>) -> f32x16<S> {
+        if self.is_wide() {
+            self.0.mul_add_f32x16(a, b, c)
+        } else {
+            a * b + c
+        }
     }
     #[inline(always)]
     fn widen(self, x: f32x16<S>) -> Pair<f64x8<S>> {

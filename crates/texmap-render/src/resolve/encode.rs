@@ -18,19 +18,18 @@ pub(crate) fn encode(mode: ColorMode, light: [f32; 4]) -> u32 {
 #[inline(always)]
 pub(super) fn encode_lanes<I: Isa>(i: I, mode: ColorMode, light: [I::F32; 4]) -> I::U32 {
     let [mut r, mut g, mut b, a] = light;
-    // A division by one changes nothing.
+    let mut alpha = i.u32(0xff00_0000);
     if !a.simd_eq(1.0).all_true() {
         [r, g, b] = straight(i, light);
+        alpha = encode_unorm8(i, a) << 24;
     }
-    let [r, g, b] = match mode {
-        ColorMode::Srgb => [encode_srgb8(i, r), encode_srgb8(i, g), encode_srgb8(i, b)],
-        ColorMode::Raw => [
-            encode_unorm8(i, r),
-            encode_unorm8(i, g),
-            encode_unorm8(i, b),
-        ],
+    let color = match mode {
+        ColorMode::Srgb => encode_srgb8(i, [r, g, b]),
+        ColorMode::Raw => {
+            encode_unorm8(i, r) | (encode_unorm8(i, g) << 8) | (encode_unorm8(i, b) << 16)
+        }
     };
-    r | (g << 8) | (b << 16) | (encode_unorm8(i, a) << 24)
+    color | alpha
 }
 
 impl TileBuffer {
