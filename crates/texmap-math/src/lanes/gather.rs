@@ -6,13 +6,11 @@
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use fearless_simd::Level;
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+use fearless_simd::SimdInto;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdBase, u32x4, u32x16};
-#[cfg(any(
-    target_arch = "x86",
-    target_arch = "x86_64",
-    all(target_arch = "wasm32", target_feature = "simd128")
-))]
-use fearless_simd::{SimdInto, prelude::*};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 use super::{CacheAligned, is_wide};
@@ -21,10 +19,11 @@ use super::{CacheAligned, is_wide};
 use core::arch::x86::{
     __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
     _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
-    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
-    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
+    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_min_epu32, _mm256_movemask_epi8,
+    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
+    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
+    _mm512_castsi256_si512, _mm512_castsi512_si256, _mm512_cmpgt_epu32_mask,
+    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti64x4,
     _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
     _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
     _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
@@ -33,10 +32,11 @@ use core::arch::x86::{
 use core::arch::x86_64::{
     __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
     _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_min_epu32, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
-    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi128_si512, _mm512_castsi512_si256,
-    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti32x4,
+    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_min_epu32, _mm256_movemask_epi8,
+    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
+    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
+    _mm512_castsi256_si512, _mm512_castsi512_si256, _mm512_cmpgt_epu32_mask,
+    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti64x4,
     _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
     _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
     _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
@@ -167,33 +167,28 @@ pub fn gather_quads<S: Simd>(
     index: u32x16<S>,
 ) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Some(last) = words.last.checked_sub(3)
-        && is_wide(s)
-        && !index.simd_gt(last).any_true()
-    {
-        match s.level() {
-            Level::Avx512(token) => {
-                let [a, b, c, d] = quads_avx512(token, words, index.into());
-                return Some([
-                    a.simd_into(s),
-                    b.simd_into(s),
-                    c.simd_into(s),
-                    d.simd_into(s),
-                ]);
-            }
-            Level::Avx2(token) => {
-                let (low, high) = s.split_u32x16(index);
-                let low = quads_avx2(token, words, low.into());
-                let high = quads_avx2(token, words, high.into());
-                return Some([
-                    s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
-                    s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
-                    s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
-                    s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
-                ]);
-            }
-            _ => {}
+    match s.level() {
+        Level::Avx512(token) => {
+            let [a, b, c, d] = quads_avx512(token, words, index.into())?;
+            return Some([
+                a.simd_into(s),
+                b.simd_into(s),
+                c.simd_into(s),
+                d.simd_into(s),
+            ]);
         }
+        Level::Avx2(token) => {
+            let (low, high) = s.split_u32x16(index);
+            let low = quads_avx2(token, words, low.into())?;
+            let high = quads_avx2(token, words, high.into())?;
+            return Some([
+                s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
+                s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
+                s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
+                s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
+            ]);
+        }
+        _ => {}
     }
     let _ = (s, words, index);
     None
@@ -311,10 +306,21 @@ struct Indices([u32; 8]);
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
-    /// The indices, none above `last`, in memory: taking them from a register one by one is slower.
+    /// The indices, none above `last`.
     #[inline(always)]
     fn indices_avx2(token: Avx2, index: __m256i, last: u32) -> [u32; 8] {
-        let index = _mm256_min_epu32(index, _mm256_set1_epi32(last as i32));
+        through_memory_avx2(
+            token,
+            _mm256_min_epu32(index, _mm256_set1_epi32(last as i32)),
+        )
+    }
+);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// The words of a register: taking them out one by one is slower.
+    #[inline(always)]
+    fn through_memory_avx2(token: Avx2, index: __m256i) -> [u32; 8] {
         let mut lanes = Indices([0; 8]);
         // SAFETY: eight words are what the array holds.
         unsafe { _mm256_storeu_si256(lanes.0.as_mut_ptr().cast(), index) };
@@ -430,12 +436,13 @@ fn ahead(words: GatherTable<'_>, first: u32, last: u32) {
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
-    /// Of more than three words, each four by one load. Words beyond the end are not read, and those read instead have no
-    /// meaning.
+    /// Each four by one load; `None` if some words lie beyond the end.
     #[inline(always)]
-    fn quads_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> [__m512i; 4] {
-        let last = words.last.saturating_sub(3) as i32;
-        let index = _mm512_min_epu32(index, _mm512_set1_epi32(last));
+    fn quads_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> Option<[__m512i; 4]> {
+        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
+        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
+            return None;
+        }
         let mut at = CacheAligned([0_u32; 16]);
         // SAFETY: sixteen words are what the array holds.
         unsafe { _mm512_storeu_si512(at.0.as_mut_ptr().cast(), index) };
@@ -447,30 +454,34 @@ fearless_simd::kernel!(
         for (i, row) in rows.iter_mut().enumerate() {
             // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
             *row = unsafe {
-                let row = _mm512_castsi128_si512(quad(words, at[i]));
-                let row = _mm512_inserti32x4::<1>(row, quad(words, at[i + 4]));
-                let row = _mm512_inserti32x4::<2>(row, quad(words, at[i + 8]));
-                _mm512_inserti32x4::<3>(row, quad(words, at[i + 12]))
+                let low = _mm256_set_m128i(quad(words, at[i + 4]), quad(words, at[i]));
+                let high = _mm256_set_m128i(quad(words, at[i + 12]), quad(words, at[i + 8]));
+                _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
             };
         }
         let [a, b, c, d] = rows;
         let (low_ab, high_ab) = (_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
         let (low_cd, high_cd) = (_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
-        [
+        Some([
             _mm512_unpacklo_epi64(low_ab, low_cd),
             _mm512_unpackhi_epi64(low_ab, low_cd),
             _mm512_unpacklo_epi64(high_ab, high_cd),
             _mm512_unpackhi_epi64(high_ab, high_cd),
-        ]
+        ])
     }
 );
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fearless_simd::kernel!(
-    /// Of more than three words. Words beyond the end are not read, and those read instead have no meaning.
+    /// `None` if some words lie beyond the end.
     #[inline(always)]
-    fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 4] {
-        let at = indices_avx2(token, index, words.last.saturating_sub(3));
+    fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> Option<[__m256i; 4]> {
+        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
+        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
+        if _mm256_movemask_epi8(within) != -1 {
+            return None;
+        }
+        let at = through_memory_avx2(token, index);
         ahead(words, at[0], at[3]);
         ahead(words, at[4], at[7]);
         // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
@@ -484,11 +495,11 @@ fearless_simd::kernel!(
         };
         let (low_ab, high_ab) = (_mm256_unpacklo_epi32(a, b), _mm256_unpackhi_epi32(a, b));
         let (low_cd, high_cd) = (_mm256_unpacklo_epi32(c, d), _mm256_unpackhi_epi32(c, d));
-        [
+        Some([
             _mm256_unpacklo_epi64(low_ab, low_cd),
             _mm256_unpackhi_epi64(low_ab, low_cd),
             _mm256_unpacklo_epi64(high_ab, high_cd),
             _mm256_unpackhi_epi64(high_ab, high_cd),
-        ]
+        ])
     }
 );

@@ -80,7 +80,7 @@ fn estimate<I: Isa>(i: I, x: I::F32) -> I::I32 {
     let power = i.estimate_mul_add(m, i.f32(0.005_333_131), i.f32(-0.050_653_334));
     let power = i.estimate_mul_add(power, m, i.f32(0.206_318_1));
     let power = i.estimate_mul_add(power, m, i.f32(-0.488_464_82));
-    let power = i.estimate_mul_add(power, m, i.f32(0.950_480_57));
+    let power = i.estimate_mul_add(power, m, i.f32(0.950_480_6));
     let power = i.estimate_mul_add(power, m, i.f32(0.376_987_72));
     let curve = i.estimate_mul_add(power, octave, i.f32((ONE * (0.5 - 255.0 * 0.055)) as f32));
     let slope = i.f32((ONE * 255.0 * 12.92) as f32);
