@@ -4,7 +4,7 @@ use crate::{
     address::lod::TexelFootprint,
     bound_texture::{BoundTexture, RGBA8},
     error::SampleError,
-    filter::{ByteKernel, FilterKernel, LookUp, Run, Single, run},
+    filter::{ByteKernel, FilterKernel, Input, LookUp, Run, Single, run},
     rgba8,
     sampler::Sampler,
     texture::Texture2d,
@@ -12,7 +12,7 @@ use crate::{
 use texmap_math::{
     Level, color, dispatch_simd,
     footprint::Footprint,
-    simd::{ByteIsa, Isa, prelude::*},
+    simd::{ByteIsa, Isa, One, Scalar, prelude::*},
 };
 
 /// Samples at many coordinates at once; dispatches to the SIMD level once. Results equal
@@ -292,31 +292,62 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// As many as there are lanes, from `first` on.
+    /// As many as there are lanes, from `first` on, as far as a filter reads them.
+    #[inline(always)]
+    fn look_up<I: Isa>(&self, i: I, first: usize, input: Input) -> LookUp<I> {
+        LookUp {
+            uv: [load(i, self.at.u, first), load(i, self.at.v, first)],
+            footprint: match input {
+                Input::Coordinates | Input::Level => None,
+                Input::Footprint => self.footprint(i, first),
+            },
+            flat: self.flat,
+        }
+    }
+
     #[expect(
         clippy::manual_map,
         reason = "the closure of `map` is not always inlined, and would be compiled without vector instructions"
     )]
     #[inline(always)]
-    fn look_up<I: Isa>(&self, i: I, first: usize) -> LookUp<I> {
-        LookUp {
-            uv: [
-                load_tail(i, &self.at.u[first..]),
-                load_tail(i, &self.at.v[first..]),
-            ],
-            footprint: match self.at.gradients {
-                Some([ux, vx, uy, vy]) => Some(TexelFootprint::new(
-                    i,
-                    self.view,
-                    load_tail(i, &ux[first..]),
-                    load_tail(i, &vx[first..]),
-                    load_tail(i, &uy[first..]),
-                    load_tail(i, &vy[first..]),
-                )),
-                None => None,
-            },
-            flat: self.flat,
+    fn footprint<I: Isa>(&self, i: I, first: usize) -> Option<TexelFootprint<I>> {
+        match self.at.gradients {
+            Some([ux, vx, uy, vy]) => Some(TexelFootprint::new(
+                i,
+                self.view,
+                load(i, ux, first),
+                load(i, vx, first),
+                load(i, uy, first),
+                load(i, vy, first),
+            )),
+            None => None,
         }
+    }
+
+    /// The level of detail of as many, if a filter reads it.
+    #[inline(always)]
+    fn lod<I: Isa>(&self, i: I, first: usize, input: Input) -> I::F32 {
+        match input {
+            Input::Level => self.look_up(i, first, Input::Footprint).lod(i, self.view),
+            Input::Coordinates | Input::Footprint => i.f32(0.0),
+        }
+    }
+
+    /// Runs `kernel` on a batch of at least as many look-ups as there are lanes: this one, or if it is too short, one in which the
+    /// last look-up stands several times.
+    fn in_vectors<I: Isa, T: Copy + Default, const OUT: usize>(
+        &self,
+        out: [&mut [T]; OUT],
+        kernel: impl FnOnce(&Batch<'_>, [&mut [T]; OUT]),
+    ) {
+        let (with, at) = (self.at.gradients.is_some(), self.at);
+        let [ux, vx, uy, vy] = at.gradients.unwrap_or([at.u; 4]);
+        in_vectors::<I, T, 6, OUT>([at.u, at.v, ux, vx, uy, vy], out, |columns, out| {
+            let [u, v, gradients @ ..] = columns;
+            let gradients = with.then_some(gradients);
+            let at = Places { u, v, gradients };
+            kernel(&Batch { at, ..*self }, out);
+        });
     }
 }
 
@@ -383,15 +414,23 @@ fn color_columns<I: Isa, K: FilterKernel>(i: I, batch: &Batch<'_>, mut out: [&mu
         }
         return;
     }
-    i.vectorize(
-        #[inline(always)]
-        || {
-            for first in (0..batch.at.u.len()).step_by(I::LANES) {
-                let at = batch.look_up(i, first);
-                store_columns(i, K::color(i, batch.view, &at), first, &mut out);
-            }
-        },
-    );
+    batch.in_vectors::<I, _, 4>(out, |batch, mut out| {
+        i.vectorize(
+            #[inline(always)]
+            || {
+                let (view, count) = (batch.view, batch.at.u.len());
+                let mut lod = batch.lod(i, 0, K::INPUT);
+                for first in (0..count).step_by(I::LANES) {
+                    let next = vector_start::<I>(first + I::LANES, count);
+                    let ahead = batch.lod(i, next, K::INPUT);
+                    let first = vector_start::<I>(first, count);
+                    let at = batch.look_up(i, first, K::INPUT);
+                    store_columns(i, K::color(i, view, &at, lod), first, &mut out);
+                    lod = ahead;
+                }
+            },
+        );
+    });
 }
 
 /// See [`color_columns`].
@@ -403,35 +442,45 @@ fn byte_words<I: ByteIsa, K: ByteKernel>(i: I, batch: &Batch<'_>, out: &mut [u32
         }
         return;
     }
-    i.vectorize(
-        #[inline(always)]
-        || {
-            for (k, out) in out.chunks_mut(I::LANES).enumerate() {
-                let at = batch.look_up(i, k * I::LANES);
-                let c = K::word(i, batch.view, &at);
-                if out.len() == I::LANES {
-                    c.store(out);
-                } else {
-                    let mut words = [0; 16];
-                    c.store(&mut words);
-                    out.copy_from_slice(&words[..out.len()]);
+    batch.in_vectors::<I, _, 1>([out], |batch, [out]| {
+        i.vectorize(
+            #[inline(always)]
+            || {
+                let count = out.len();
+                for first in (0..count).step_by(I::LANES) {
+                    let first = vector_start::<I>(first, count);
+                    let at = batch.look_up(i, first, Input::Footprint);
+                    K::word(i, batch.view, &at).store(&mut out[first..][..I::LANES]);
                 }
-            }
-        },
-    );
+            },
+        );
+    });
 }
 
 #[inline(always)]
 fn unpack_columns<I: Isa>(i: I, words: &[u32], mut out: [&mut [f32]; 4]) {
-    let mut last = [0; 16];
-    for (k, words) in words.chunks(I::LANES).enumerate() {
-        last[..words.len()].copy_from_slice(words);
-        let c = rgba8::unpack(i, i.load_u32(&last));
-        store_columns(i, c, k * I::LANES, &mut out);
+    if words.len() < I::LANES {
+        for (k, word) in words.iter().enumerate() {
+            let c = rgba8::unpack(Scalar, One(*word));
+            out.iter_mut().zip(c).for_each(|(out, c)| out[k] = c);
+        }
+        return;
+    }
+    for first in (0..words.len()).step_by(I::LANES) {
+        let first = vector_start::<I>(first, words.len());
+        let words = i.load_u32(&words[first..]);
+        store_columns(i, rgba8::unpack(i, words), first, &mut out);
     }
 }
 
-/// Stores as many as there are lanes from `first` on, or as many as there are.
+/// The first look-up of a vector, `first` or what lies behind it: the last vector takes look-ups of the one before again rather than
+/// be shorter. Stores of fewer values would be calls of a copy in the loop, before which a compiler sets all registers aside.
+#[inline(always)]
+pub(crate) fn vector_start<I: Isa>(first: usize, count: usize) -> usize {
+    first.min(count - I::LANES)
+}
+
+/// Stores as many as there are lanes from `first` on.
 #[inline(always)]
 pub(crate) fn store_columns<I: Isa, const N: usize>(
     _: I,
@@ -440,24 +489,42 @@ pub(crate) fn store_columns<I: Isa, const N: usize>(
     out: &mut [&mut [f32]; N],
 ) {
     for (c, out) in c.iter().zip(out) {
-        let out = &mut out[first..];
-        if out.len() >= I::LANES {
-            c.store(out);
-        } else {
-            let mut lanes = [0.0; 16];
-            c.store(&mut lanes);
-            out.copy_from_slice(&lanes[..out.len()]);
-        }
+        c.store(&mut out[first..][..I::LANES]);
     }
 }
 
-/// The first values, or what there is of them, the rest filled with the last.
+/// As many as there are lanes from `first` on.
 #[inline(always)]
-pub(crate) fn load_tail<I: Isa>(i: I, values: &[f32]) -> I::F32 {
-    if values.len() >= I::LANES {
-        return i.load_f32(values);
+pub(crate) fn load<I: Isa>(i: I, values: &[f32], first: usize) -> I::F32 {
+    i.load_f32(&values[first..][..I::LANES])
+}
+
+/// Runs `kernel` on columns of at least as many values as there are lanes: these, or if they are too short, copies in which the last
+/// value stands several times. Columns of no values are left alone.
+pub(crate) fn in_vectors<I: Isa, T: Copy + Default, const IN: usize, const OUT: usize>(
+    columns: [&[f32]; IN],
+    out: [&mut [T]; OUT],
+    kernel: impl FnOnce([&[f32]; IN], [&mut [T]; OUT]),
+) {
+    let count = out[0].len();
+    if count >= I::LANES {
+        return kernel(columns, out);
     }
-    let mut lanes = [values.last().copied().unwrap_or(0.0); 16];
-    lanes[..values.len()].copy_from_slice(values);
-    i.load_f32(&lanes)
+    if count == 0 {
+        return;
+    }
+    let mut whole = [[0.0; 16]; IN];
+    for (whole, values) in whole.iter_mut().zip(columns) {
+        whole.fill(values[count - 1]);
+        whole[..count].copy_from_slice(values);
+    }
+    let mut results = [[T::default(); 16]; OUT];
+    let lanes = I::LANES;
+    kernel(
+        whole.each_ref().map(|c| &c[..lanes]),
+        results.each_mut().map(|c| &mut c[..lanes]),
+    );
+    for (out, results) in out.into_iter().zip(results) {
+        out.copy_from_slice(&results[..count]);
+    }
 }

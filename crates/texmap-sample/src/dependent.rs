@@ -5,7 +5,7 @@ use crate::{
         lod::{TexelFootprint, lod},
         texel::LaneLevel,
     },
-    batch::{PART, Places, load_tail, sample_bound_soa, store_columns},
+    batch::{PART, Places, in_vectors, load, sample_bound_soa, store_columns, vector_start},
     bound_texture::{ANY, BoundTexture, exact_format},
     error::SampleError,
     fetch::{Color, fetch_corners, scaled},
@@ -90,8 +90,8 @@ pub fn sample_dependent_soa(
     for start in (0..at.u.len()).step_by(PART) {
         let part = at.part(start..at.u.len().min(start + PART));
         let count = part.u.len();
-        let mut inner = columns.each_mut().map(|c| &mut c[..count]);
-        dispatch_simd!(level, i => dependent_columns(i, &view, &part, &mut inner));
+        let inner = columns.each_mut().map(|c| &mut c[..count]);
+        dispatch_simd!(level, i => dependent_columns(i, &view, &part, inner));
         let [u, v, gradients @ ..] = columns.each_ref().map(|c| &c[..count]);
         let gradients = Some(gradients);
         let out = out.each_mut().map(|c| &mut c[start..start + count]);
@@ -100,23 +100,28 @@ pub fn sample_dependent_soa(
     Ok(())
 }
 
-#[inline(always)]
-fn dependent_columns<I: Isa>(
-    i: I,
-    view: &BoundTexture<'_>,
-    at: &Places<'_>,
-    out: &mut [&mut [f32]; 6],
-) {
-    for first in (0..at.u.len()).step_by(I::LANES) {
-        let uv = [load_tail(i, &at.u[first..]), load_tail(i, &at.v[first..])];
-        let mut d = [i.f32(0.0); 4];
-        if let Some(columns) = at.gradients {
-            for (d, column) in d.iter_mut().zip(columns) {
-                *d = load_tail(i, &column[first..]);
-            }
-        }
-        store_columns(i, dependent(i, view, uv, d), first, out);
-    }
+#[inline(never)]
+fn dependent_columns<I: Isa>(i: I, view: &BoundTexture<'_>, at: &Places<'_>, out: [&mut [f32]; 6]) {
+    let [ux, vx, uy, vy] = at.gradients.unwrap_or([&[0.0; PART][..at.u.len()]; 4]);
+    in_vectors::<I, _, 6, 6>([at.u, at.v, ux, vx, uy, vy], out, |columns, mut out| {
+        i.vectorize(
+            #[inline(always)]
+            || {
+                let [u, v, ux, vx, uy, vy] = columns;
+                for first in (0..u.len()).step_by(I::LANES) {
+                    let first = vector_start::<I>(first, u.len());
+                    let uv = [load(i, u, first), load(i, v, first)];
+                    let d = [
+                        load(i, ux, first),
+                        load(i, vx, first),
+                        load(i, uy, first),
+                        load(i, vy, first),
+                    ];
+                    store_columns(i, dependent(i, view, uv, d), first, &mut out);
+                }
+            },
+        );
+    });
 }
 
 /// Coordinates in a second texture and their derivatives, in the order of [`Footprint`].

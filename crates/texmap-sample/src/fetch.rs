@@ -209,8 +209,23 @@ pub(crate) fn mix_four<I: Isa>(
     [[a, b], [c, d]]: [[Color<I>; 2]; 2],
     [wx, wy]: [I::F32; 2],
 ) -> Color<I> {
-    let (top, bottom) = (mix::<I>(view, a, b, wx), mix::<I>(view, c, d, wx));
-    mix::<I>(view, top, bottom, wy)
+    [
+        mix_corners::<I>([a[0], b[0], c[0], d[0]], wx, wy),
+        mix_corners::<I>([a[1], b[1], c[1], d[1]], wx, wy),
+        mix_corners::<I>([a[2], b[2], c[2], d[2]], wx, wy),
+        if view.opaque {
+            a[3]
+        } else {
+            mix_corners::<I>([a[3], b[3], c[3], d[3]], wx, wy)
+        },
+    ]
+}
+
+/// One channel of [`mix_four`].
+#[inline(always)]
+fn mix_corners<I: Isa>([a, b, c, d]: [I::F32; 4], wx: I::F32, wy: I::F32) -> I::F32 {
+    let (top, bottom) = (a + (b - a) * wx, c + (d - c) * wx);
+    top + (bottom - top) * wy
 }
 
 #[inline(always)]

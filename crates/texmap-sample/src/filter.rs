@@ -105,12 +105,14 @@ pub(crate) struct LookUp<I: Isa> {
 }
 
 impl<I: Isa> LookUp<I> {
-    /// The limited level of detail; 0 for levels below it where all lanes are magnified, as every filter takes them.
+    /// The level of detail, limited as far as the levels of the texture do not; 0 for levels below it where all lanes are magnified, as
+    /// every filter takes them.
     #[inline(always)]
     pub(crate) fn lod(&self, i: I, view: &BoundTexture<'_>) -> I::F32 {
         match &self.footprint {
             // Most of a near surface: the logarithm costs more than its texels.
             Some(d) if lod::is_magnified(view, d) => i.f32(0.0),
+            Some(d) if view.plain_lod => lod::unlimited_lod(i, view, d),
             Some(d) => lod::lod(i, view, d),
             None => i.f32(self.flat),
         }
@@ -120,7 +122,20 @@ impl<I: Isa> LookUp<I> {
 /// A filter with f32 weights, on the texels of [`FORMAT`](Self::FORMAT).
 pub(crate) trait FilterKernel {
     const FORMAT: u8;
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I>;
+    const INPUT: Input;
+    /// `lod` is that of [`Input::Level`].
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32) -> Color<I>;
+}
+
+/// What of a look-up a filter reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Input {
+    /// Coordinates alone.
+    Coordinates,
+    /// Coordinates and the level of detail. Batches find it one vector ahead: a processor has other work while it waits for the logarithm.
+    Level,
+    /// Coordinates and the footprint.
+    Footprint,
 }
 
 /// A filter with 8-bit weights on RGBA8.
@@ -212,7 +227,14 @@ impl Run for Single<'_> {
             format => format,
         };
         match self.view(format) {
-            Some(view) => K::color(Scalar, &view, &self.look_up(&view)),
+            Some(view) => {
+                let at = self.look_up(&view);
+                let lod = match K::INPUT {
+                    Input::Level => at.lod(Scalar, &view),
+                    Input::Coordinates | Input::Footprint => 0.0,
+                };
+                K::color(Scalar, &view, &at, lod)
+            }
             None => [0.0; 4],
         }
     }

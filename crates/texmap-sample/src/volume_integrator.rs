@@ -195,8 +195,8 @@ impl<'a> VolumeIntegrator<'a> {
             lod: Some(&[lod; STEPS]),
         };
         let mut columns = [[0.0; STEPS]; 4];
-        let mut colors = columns.each_mut().map(|c| &mut c[..]);
-        lanes.voxels.columns(lanes.level, &at, &mut colors);
+        let colors = columns.each_mut().map(|c| &mut c[..]);
+        lanes.voxels.columns(lanes.level, &at, colors);
         if let Some((view, along)) = &lanes.transfer {
             let values = columns[0];
             let at = Places {

@@ -8,7 +8,11 @@ use texmap_sample::{
 use texmap_tests::levels::levels;
 
 /// Random bytes; opaque, of one of two alphas, or of any.
-fn cube(side: u32, color: ColorSpace, alpha: impl Fn(u32) -> u8) -> TextureCube<'static> {
+pub(super) fn cube(
+    side: u32,
+    color: ColorSpace,
+    alpha: impl Fn(u32) -> u8,
+) -> TextureCube<'static> {
     let mut random = Random::new(u64::from(side));
     let faces: Vec<Vec<u8>> = (0..6)
         .map(|_| {

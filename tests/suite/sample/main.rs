@@ -8,6 +8,7 @@ mod encoded;
 mod filters;
 mod hostile;
 mod lanes;
+mod lengths;
 mod levels;
 mod light;
 mod plane;

@@ -39,7 +39,7 @@ fn floats([w, h, d]: [u32; 3], channels: u32) -> Texture3d<'static> {
     Texture3d::new(d, &slices).unwrap()
 }
 
-fn volumes() -> [(&'static str, Texture3d<'static>); 5] {
+pub(super) fn volumes() -> [(&'static str, Texture3d<'static>); 5] {
     let linear = ColorSpace::Linear;
     [
         (

@@ -102,12 +102,21 @@ impl LodRange {
 /// The level of detail of a footprint by the view's precision, limited.
 #[inline(always)]
 pub fn lod<I: Isa>(i: I, view: &BoundTexture<'_>, d: &TexelFootprint<I>) -> I::F32 {
+    view.lod_range.limit(i, unlimited_lod(i, view, d))
+}
+
+/// The level of detail of a footprint by the view's precision.
+#[inline(always)]
+pub(crate) fn unlimited_lod<I: Isa>(
+    i: I,
+    view: &BoundTexture<'_>,
+    d: &TexelFootprint<I>,
+) -> I::F32 {
     let rho2 = d.rho_max_squared();
-    let lod = match view.precision {
+    match view.precision {
         Precision::Exact => log2(i, rho2) * 0.5,
         Precision::Fast => log2_sqrt_fixed(i, rho2).to_f32() * (1.0 / 256.0),
-    };
-    view.lod_range.limit(i, lod)
+    }
 }
 
 /// A squared length that is below 1 by more than the errors of both logarithms.

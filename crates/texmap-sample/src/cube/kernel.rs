@@ -3,7 +3,7 @@
 use super::{TextureCube, edges::EDGES};
 use crate::{
     address::texel::LaneLevel,
-    batch::{check, load_tail, store_columns},
+    batch::{check, in_vectors, load, store_columns, vector_start},
     bound_texture::{ANY, BoundTexture, RGBA8_EXACT, exact_format},
     error::SampleError,
     fetch::{Color, fetch, fetch_two, mix, mix_four, scaled, select},
@@ -38,7 +38,7 @@ pub fn sample_cube_soa(
     sampler: &Sampler,
     t: &TextureCube<'_>,
     at: &DirectionBatch<'_>,
-    mut out: [&mut [f32]; 4],
+    out: [&mut [f32]; 4],
 ) -> Result<(), SampleError> {
     check("y", at.x.len(), at.y.len())?;
     check("z", at.x.len(), at.z.len())?;
@@ -56,7 +56,7 @@ pub fn sample_cube_soa(
             t,
             view: &view,
             at,
-            out: &mut out,
+            out,
         };
         run(sampler, format, batch);
     }
@@ -142,16 +142,16 @@ impl Run for Single<'_> {
     }
 }
 
-struct Batch<'a, 'o> {
+struct Batch<'a> {
     level: Level,
     sampler: &'a Sampler,
     t: &'a TextureCube<'a>,
     view: &'a BoundTexture<'a>,
     at: &'a DirectionBatch<'a>,
-    out: &'a mut [&'o mut [f32]; 4],
+    out: [&'a mut [f32]; 4],
 }
 
-impl Run for Batch<'_, '_> {
+impl Run for Batch<'_> {
     type Out = ();
 
     fn run<const FORMAT: u8, const LEVELS: u8>(self) {
@@ -160,8 +160,10 @@ impl Run for Batch<'_, '_> {
 }
 
 #[inline(never)]
-fn columns<I: Isa, const FORMAT: u8, const LEVELS: u8>(i: I, batch: Batch<'_, '_>) {
-    let Batch { view, at, out, .. } = batch;
+fn columns<I: Isa, const FORMAT: u8, const LEVELS: u8>(i: I, batch: Batch<'_>) {
+    let Batch {
+        view, at, mut out, ..
+    } = batch;
     if const { I::LANES == 1 } {
         for k in 0..at.x.len() {
             let single = Single {
@@ -175,32 +177,35 @@ fn columns<I: Isa, const FORMAT: u8, const LEVELS: u8>(i: I, batch: Batch<'_, '_
         }
         return;
     }
-    i.vectorize(
-        #[inline(always)]
-        || {
-            let mut places = Places::default();
-            for start in (0..at.x.len()).step_by(I::LANES * RUN) {
-                let end = at.x.len().min(start + I::LANES * RUN);
-                for (k, first) in (start..end).step_by(I::LANES).enumerate() {
-                    let d = [
-                        load_tail(i, &at.x[first..end]),
-                        load_tail(i, &at.y[first..end]),
-                        load_tail(i, &at.z[first..end]),
-                    ];
-                    places.find(i, k, d);
+    let lod = at.lod.unwrap_or(at.x);
+    in_vectors::<I, _, 4, 4>([at.x, at.y, at.z, lod], out, |columns, mut out| {
+        let ([x, y, z, lod], has_lod) = (columns, at.lod.is_some());
+        i.vectorize(
+            #[inline(always)]
+            || {
+                let (mut places, count) = (Places::default(), x.len());
+                for start in (0..count).step_by(I::LANES * RUN) {
+                    let end = count.min(start + I::LANES * RUN);
+                    for (k, first) in (start..end).step_by(I::LANES).enumerate() {
+                        let first = vector_start::<I>(first, count);
+                        let d = [load(i, x, first), load(i, y, first), load(i, z, first)];
+                        places.find(i, k, d);
+                    }
+                    for (k, first) in (start..end).step_by(I::LANES).enumerate() {
+                        let first = vector_start::<I>(first, count);
+                        let lod = if has_lod {
+                            load(i, lod, first)
+                        } else {
+                            i.f32(0.0)
+                        };
+                        let place = places.place(i, k);
+                        let c = place.look::<FORMAT, LEVELS>(i, view, lod);
+                        store_columns(i, c, first, &mut out);
+                    }
                 }
-                for (k, first) in (start..end).step_by(I::LANES).enumerate() {
-                    let lod = match at.lod {
-                        Some(lod) => load_tail(i, &lod[first..]),
-                        None => i.f32(0.0),
-                    };
-                    let place = places.place(i, k);
-                    let c = place.look::<FORMAT, LEVELS>(i, view, lod);
-                    store_columns(i, c, first, out);
-                }
-            }
-        },
-    );
+            },
+        );
+    });
 }
 
 /// Blocks whose face coordinates are computed before the first look-up. A gather then waits for its own addresses alone.

@@ -1,6 +1,6 @@
 //! Trilinear probes along the long axis of the footprint.
 
-use super::{FilterKernel, LookUp, trilinear::LevelPair};
+use super::{FilterKernel, Input, LookUp, trilinear::LevelPair};
 use crate::{
     address::lod::{TexelFootprint, log2},
     bound_texture::{ANY, BoundTexture},
@@ -90,9 +90,10 @@ pub(crate) struct Anisotropic;
 
 impl FilterKernel for Anisotropic {
     const FORMAT: u8 = ANY;
+    const INPUT: Input = Input::Footprint;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         let Some(d) = &at.footprint else {
             return [i.f32(0.0); 4];
         };

@@ -1,6 +1,6 @@
 //! Sixteen texels weighted by a cubic.
 
-use super::{FilterKernel, Kernel, LookUp, bilinear::cell};
+use super::{FilterKernel, Input, Kernel, LookUp, bilinear::cell};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::{ANY, BLOCKS, BoundTexture},
@@ -48,10 +48,11 @@ pub(crate) struct Bicubic;
 
 impl FilterKernel for Bicubic {
     const FORMAT: u8 = ANY;
+    const INPUT: Input = Input::Coordinates;
 
     /// Sums run over differences to the centre texel, so that a constant texture stays constant to the bit.
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         let Kernel::Bicubic(kernel) = view.kind else {
             return [i.f32(0.0); 4];
         };

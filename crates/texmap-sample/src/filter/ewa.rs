@@ -1,6 +1,6 @@
 //! The elliptical weighted average.
 
-use super::{FilterKernel, LookUp, anisotropic::Axes, bilinear::bilinear};
+use super::{FilterKernel, Input, LookUp, anisotropic::Axes, bilinear::bilinear};
 use crate::{
     address::{lod::log2, texel::LaneLevel},
     bound_texture::{ANY, BoundTexture},
@@ -53,9 +53,10 @@ pub(crate) struct Ewa;
 
 impl FilterKernel for Ewa {
     const FORMAT: u8 = ANY;
+    const INPUT: Input = Input::Footprint;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         let zero = i.f32(0.0);
         let Some(d) = &at.footprint else {
             return [zero; 4];

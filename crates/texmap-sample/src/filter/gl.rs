@@ -1,6 +1,6 @@
 //! OpenGL's choices of texels and levels: `mag` on level 0 where nothing is minified, else `min` and `mip`.
 
-use super::{FilterKernel, LookUp, bilinear::bilinear, nearest::nearest};
+use super::{FilterKernel, Input, LookUp, bilinear::bilinear, nearest::nearest};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::{ANY, BoundTexture},
@@ -14,9 +14,10 @@ pub(crate) struct Gl;
 
 impl FilterKernel for Gl {
     const FORMAT: u8 = ANY;
+    const INPUT: Input = Input::Footprint;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         let (mag, _, mip) = view.gl;
         // Without levels nothing depends on the level of detail but which of two choices of texels is taken.
         let lod = if mip == Mip::None && mag == view.gl.1 {

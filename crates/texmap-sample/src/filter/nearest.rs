@@ -1,6 +1,6 @@
 //! The nearest texel.
 
-use super::{FilterKernel, LookUp};
+use super::{FilterKernel, Input, LookUp};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -13,9 +13,10 @@ pub(crate) struct Nearest<const FORMAT: u8>;
 
 impl<const FORMAT: u8> FilterKernel for Nearest<FORMAT> {
     const FORMAT: u8 = FORMAT;
+    const INPUT: Input = Input::Coordinates;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         let level = LaneLevel::uniform(i, view, 0);
         scaled::<I>(nearest::<I, FORMAT>(i, view, &level, at.uv), view)
     }

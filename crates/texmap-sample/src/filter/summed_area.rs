@@ -1,7 +1,7 @@
 //! Summed-area tables (Crow 1984, "Summed-Area Tables for Texture Mapping"): the mean over any upright rectangle of texels by sums
 //! that were made once.
 
-use super::{FilterKernel, LookUp, gl::Gl};
+use super::{FilterKernel, Input, LookUp, gl::Gl};
 use crate::{
     address::wrap::Wrap,
     bound_texture::{ANY, BoundTexture},
@@ -222,12 +222,13 @@ pub(crate) struct Rectangle;
 
 impl FilterKernel for Rectangle {
     const FORMAT: u8 = ANY;
+    const INPUT: Input = Input::Footprint;
 
     /// Lanes find their rectangles; the sums are f64 and are read one rectangle after the other.
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         if view.chain.sums.is_none() {
-            return Gl::color(i, view, at);
+            return Gl::color(i, view, at, i.f32(0.0));
         }
         let [w, h] = match &at.footprint {
             Some(d) => [d.ux.abs() + d.uy.abs(), d.vx.abs() + d.vy.abs()],

@@ -1,6 +1,6 @@
 //! Bilinear on the two mip levels around.
 
-use super::{FilterKernel, LookUp, bilinear::bilinear};
+use super::{FilterKernel, Input, LookUp, bilinear::bilinear};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -13,11 +13,12 @@ pub(crate) struct Trilinear<const FORMAT: u8>;
 
 impl<const FORMAT: u8> FilterKernel for Trilinear<FORMAT> {
     const FORMAT: u8 = FORMAT;
+    const INPUT: Input = Input::Level;
 
     #[inline(always)]
-    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>) -> Color<I> {
+    fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32) -> Color<I> {
         let [u, v] = at.uv;
-        trilinear::<I, FORMAT>(i, view, u, v, at.lod(i, view))
+        trilinear::<I, FORMAT>(i, view, u, v, lod)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::{
         texel::LaneLevel,
         wrap::{Axis, Wrap},
     },
-    batch::{check, load_tail, store_columns},
+    batch::{check, in_vectors, load, store_columns, vector_start},
     bound_texture::{ANY, BoundTexture, exact_format},
     error::SampleError,
     fetch::{Color, fetch_two, mix, mix_four, scaled, tap},
@@ -41,7 +41,7 @@ pub fn sample_3d_soa(
     t: &Texture3d<'_>,
     wrap_w: Wrap,
     at: &UvwBatch<'_>,
-    mut out: [&mut [f32]; 4],
+    out: [&mut [f32]; 4],
 ) -> Result<(), SampleError> {
     check("v", at.u.len(), at.v.len())?;
     check("w", at.u.len(), at.w.len())?;
@@ -52,7 +52,7 @@ pub fn sample_3d_soa(
         check("out", at.u.len(), column.len())?;
     }
     if let Some(view) = VolumeView::new(sampler, t, wrap_w) {
-        view.columns(level, at, &mut out);
+        view.columns(level, at, out);
     }
     Ok(())
 }
@@ -87,29 +87,31 @@ impl<'a> VolumeView<'a> {
     }
 
     /// The columns have one length.
-    pub(crate) fn columns(&self, level: Level, at: &UvwBatch<'_>, out: &mut [&mut [f32]; 4]) {
+    pub(crate) fn columns(&self, level: Level, at: &UvwBatch<'_>, out: [&mut [f32]; 4]) {
         dispatch_simd!(level, i => self.columns_on(i, at, out));
     }
 
     #[inline(never)]
-    fn columns_on<I: Isa>(&self, i: I, at: &UvwBatch<'_>, out: &mut [&mut [f32]; 4]) {
-        i.vectorize(
-            #[inline(always)]
-            || {
-                for first in (0..at.u.len()).step_by(I::LANES) {
-                    let uvw = [
-                        load_tail(i, &at.u[first..]),
-                        load_tail(i, &at.v[first..]),
-                        load_tail(i, &at.w[first..]),
-                    ];
-                    let lod = match at.lod {
-                        Some(lod) => load_tail(i, &lod[first..]),
-                        None => i.f32(0.0),
-                    };
-                    store_columns(i, self.look(i, uvw, lod), first, out);
-                }
-            },
-        );
+    fn columns_on<I: Isa>(&self, i: I, at: &UvwBatch<'_>, out: [&mut [f32]; 4]) {
+        let lod = at.lod.unwrap_or(at.u);
+        in_vectors::<I, _, 4, 4>([at.u, at.v, at.w, lod], out, |columns, mut out| {
+            let ([u, v, w, lod], has_lod) = (columns, at.lod.is_some());
+            i.vectorize(
+                #[inline(always)]
+                || {
+                    for first in (0..u.len()).step_by(I::LANES) {
+                        let first = vector_start::<I>(first, u.len());
+                        let uvw = [load(i, u, first), load(i, v, first), load(i, w, first)];
+                        let lod = if has_lod {
+                            load(i, lod, first)
+                        } else {
+                            i.f32(0.0)
+                        };
+                        store_columns(i, self.look(i, uvw, lod), first, &mut out);
+                    }
+                },
+            );
+        });
     }
 
     #[inline(always)]
