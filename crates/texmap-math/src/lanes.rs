@@ -22,7 +22,9 @@ mod gather;
 mod table;
 
 pub use bytes::lerp_bytes;
-pub use gather::{GatherTable, gather, gather_pairs, gather_quads, has_pairs, prefetch};
+pub use gather::{
+    GatherTable, gather, gather_pairs, gather_quads, gather_quads_at, has_pairs, prefetch,
+};
 pub(crate) use gather::{gather_pairs_x4, gather_quads_x4, gather_x4};
 pub use table::{lookup8, lookup16};
 

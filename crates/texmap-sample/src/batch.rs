@@ -4,7 +4,7 @@ use crate::{
     address::lod::TexelFootprint,
     bound_texture::{BoundTexture, RGBA8},
     error::SampleError,
-    filter::{ByteKernel, FilterKernel, Input, LookUp, Run, Single, run},
+    filter::{ByteKernel, CellKernel, FilterKernel, Input, LookUp, Run, Single, cell::RUN, run},
     rgba8,
     sampler::Sampler,
     texture::Texture2d,
@@ -366,6 +366,11 @@ impl Run for Columns<'_> {
         dispatch_simd!(level, i => color_columns::<_, K>(i, batch, out));
     }
 
+    fn cells<K: CellKernel>(self) {
+        let Self { batch, level, out } = self;
+        dispatch_simd!(level, i => cell_columns::<_, K>(i, batch, out));
+    }
+
     fn bytes<K: ByteKernel>(self) {
         self.batch.columns(self.level, self.out);
     }
@@ -392,6 +397,10 @@ impl Run for Words<'_> {
                 *out = u32::from_le_bytes(c);
             }
         }
+    }
+
+    fn cells<K: CellKernel>(self) {
+        self.color::<K>();
     }
 
     fn bytes<K: ByteKernel>(self) {
@@ -427,6 +436,47 @@ fn color_columns<I: Isa, K: FilterKernel>(i: I, batch: &Batch<'_>, mut out: [&mu
                     let at = batch.look_up(i, first, K::INPUT);
                     store_columns(i, K::color(i, view, &at, lod), first, &mut out);
                     lod = ahead;
+                }
+            },
+        );
+    });
+}
+
+/// See [`color_columns`].
+#[inline(never)]
+fn cell_columns<I: Isa, K: CellKernel>(i: I, batch: &Batch<'_>, out: [&mut [f32]; 4]) {
+    if const { I::LANES == 1 } {
+        return color_columns::<I, K>(i, batch, out);
+    }
+    batch.in_vectors::<I, _, 4>(out, |batch, mut out| {
+        i.vectorize(
+            #[inline(always)]
+            || {
+                let (view, count) = (batch.view, batch.at.u.len());
+                let mut cells = [K::ZERO; RUN];
+                let mut lod = batch.lod(i, 0, K::INPUT);
+                for start in (0..count).step_by(RUN * I::LANES) {
+                    let mut first = start;
+                    for cells in &mut cells {
+                        if first >= count {
+                            break;
+                        }
+                        let next = vector_start::<I>(first + I::LANES, count);
+                        let ahead = batch.lod(i, next, K::INPUT);
+                        let at = batch.look_up(i, vector_start::<I>(first, count), K::INPUT);
+                        K::find(i, view, &at, lod, cells);
+                        (first, lod) = (first + I::LANES, ahead);
+                    }
+                    first = start;
+                    for cells in &cells {
+                        if first >= count {
+                            break;
+                        }
+                        let from = vector_start::<I>(first, count);
+                        let at = batch.look_up(i, from, K::INPUT);
+                        store_columns(i, K::color_of(i, view, &at, cells), from, &mut out);
+                        first += I::LANES;
+                    }
                 }
             },
         );

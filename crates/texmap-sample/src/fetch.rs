@@ -86,6 +86,24 @@ pub(crate) fn fetch_two<I: Isa, const FORMAT: u8>(
     }
 }
 
+/// [`fetch_two`] of addresses in memory.
+#[inline(always)]
+pub(crate) fn fetch_two_at<I: Isa, const FORMAT: u8>(
+    i: I,
+    view: &BoundTexture<'_>,
+    words: &[u32; 16],
+) -> [Color<I>; 2] {
+    if of_view::<FORMAT>(view) == RGBA16
+        && let Some([a, b, c, d]) = i.gather_quads_at(view.words, words)
+    {
+        return [
+            color16(i, view.opaque, [a, b]),
+            color16(i, view.opaque, [c, d]),
+        ];
+    }
+    fetch_two::<I, FORMAT>(i, view, i.load_u32(words))
+}
+
 /// A texel, and the next three in memory.
 #[inline(always)]
 pub(crate) fn fetch_four<I: Isa, const FORMAT: u8>(

@@ -3,6 +3,7 @@
 pub(crate) mod anisotropic;
 pub(crate) mod bicubic;
 pub(crate) mod bilinear;
+pub(crate) mod cell;
 pub(crate) mod ewa;
 pub(crate) mod gl;
 pub(crate) mod nearest;
@@ -127,12 +128,35 @@ pub(crate) trait FilterKernel {
     fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32) -> Color<I>;
 }
 
+/// A filter of one cell or two whose addresses are found for a run of vectors, before the first texel is read.
+pub(crate) trait CellKernel: FilterKernel {
+    /// The cells of a vector.
+    type Cells: Copy;
+    const ZERO: Self::Cells;
+    /// Puts the cells of a vector's coordinates into `cells`.
+    fn find<I: Isa>(
+        i: I,
+        view: &BoundTexture<'_>,
+        at: &LookUp<I>,
+        lod: I::F32,
+        cells: &mut Self::Cells,
+    );
+    /// [`color`](FilterKernel::color) from the cells of the same look-ups.
+    fn color_of<I: Isa>(
+        i: I,
+        view: &BoundTexture<'_>,
+        at: &LookUp<I>,
+        cells: &Self::Cells,
+    ) -> Color<I>;
+}
+
 /// What of a look-up a filter reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Input {
     /// Coordinates alone.
     Coordinates,
-    /// Coordinates and the level of detail. Batches find it one vector ahead: a processor has other work while it waits for the logarithm.
+    /// Coordinates and the level of detail. Batches find it one vector ahead: the logarithm is a long chain of operations, beside which
+    /// a processor does others.
     Level,
     /// Coordinates and the footprint.
     Footprint,
@@ -149,6 +173,7 @@ pub(crate) trait ByteKernel {
 pub(crate) trait Run {
     type Out;
     fn color<K: FilterKernel>(self) -> Self::Out;
+    fn cells<K: CellKernel>(self) -> Self::Out;
     fn bytes<K: ByteKernel>(self) -> Self::Out;
 }
 
@@ -166,11 +191,11 @@ pub(crate) fn run<R: Run>(kind: Kernel, format: u8, has_footprint: bool, run: R)
         (RGBA8, Anisotropic) => run.bytes::<rgba8::anisotropic::Anisotropic>(),
         (RGBA8, Gl) => run.bytes::<rgba8::gl::Gl>(),
         (RGBA8, _) => run.bytes::<rgba8::trilinear::Trilinear>(),
-        (RGBA8_EXACT, Bilinear) => run.color::<bilinear::Bilinear<RGBA8_EXACT>>(),
-        (RGBA8_EXACT, Trilinear) => run.color::<trilinear::Trilinear<RGBA8_EXACT>>(),
+        (RGBA8_EXACT, Bilinear) => run.cells::<bilinear::Bilinear<RGBA8_EXACT>>(),
+        (RGBA8_EXACT, Trilinear) => run.cells::<trilinear::Trilinear<RGBA8_EXACT>>(),
         (RGBA16, Nearest) => run.color::<nearest::Nearest<RGBA16>>(),
-        (RGBA16, Bilinear) => run.color::<bilinear::Bilinear<RGBA16>>(),
-        (RGBA16, Trilinear) => run.color::<trilinear::Trilinear<RGBA16>>(),
+        (RGBA16, Bilinear) => run.cells::<bilinear::Bilinear<RGBA16>>(),
+        (RGBA16, Trilinear) => run.cells::<trilinear::Trilinear<RGBA16>>(),
         (_, Anisotropic) => run.color::<anisotropic::Anisotropic>(),
         (_, Bicubic(_)) => run.color::<bicubic::Bicubic>(),
         (_, Ewa) => run.color::<ewa::Ewa>(),
@@ -237,6 +262,11 @@ impl Run for Single<'_> {
             }
             None => [0.0; 4],
         }
+    }
+
+    #[inline(always)]
+    fn cells<K: CellKernel>(self) -> [f32; 4] {
+        self.color::<K>()
     }
 
     #[inline(always)]

@@ -19,27 +19,29 @@ use super::{CacheAligned, is_wide};
 use core::arch::x86::{
     __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
     _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_min_epu32, _mm256_movemask_epi8,
-    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
-    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
-    _mm512_castsi256_si512, _mm512_castsi512_si256, _mm512_cmpgt_epu32_mask,
-    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti64x4,
-    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
-    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
-    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
+    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_loadu_si256, _mm256_min_epu32,
+    _mm256_movemask_epi8, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
+    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi256_si512, _mm512_castsi512_si256,
+    _mm512_cmpgt_epu32_mask, _mm512_extracti64x4_epi64, _mm512_i32gather_epi32,
+    _mm512_i32gather_epi64, _mm512_inserti64x4, _mm512_loadu_si512, _mm512_min_epu32,
+    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
+    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
+    _mm512_unpacklo_epi64,
 };
 #[cfg(target_arch = "x86_64")]
 use core::arch::x86_64::{
     __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
     _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_min_epu32, _mm256_movemask_epi8,
-    _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32, _mm256_shuffle_ps, _mm256_storeu_si256,
-    _mm256_unpackhi_epi32, _mm256_unpackhi_epi64, _mm256_unpacklo_epi32, _mm256_unpacklo_epi64,
-    _mm512_castsi256_si512, _mm512_castsi512_si256, _mm512_cmpgt_epu32_mask,
-    _mm512_extracti64x4_epi64, _mm512_i32gather_epi32, _mm512_i32gather_epi64, _mm512_inserti64x4,
-    _mm512_min_epu32, _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32,
-    _mm512_setzero_si512, _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64,
-    _mm512_unpacklo_epi32, _mm512_unpacklo_epi64,
+    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_loadu_si256, _mm256_min_epu32,
+    _mm256_movemask_epi8, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
+    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
+    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi256_si512, _mm512_castsi512_si256,
+    _mm512_cmpgt_epu32_mask, _mm512_extracti64x4_epi64, _mm512_i32gather_epi32,
+    _mm512_i32gather_epi64, _mm512_inserti64x4, _mm512_loadu_si512, _mm512_min_epu32,
+    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
+    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
+    _mm512_unpacklo_epi64,
 };
 
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -168,30 +170,58 @@ pub fn gather_quads<S: Simd>(
 ) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match s.level() {
-        Level::Avx512(token) => {
-            let [a, b, c, d] = quads_avx512(token, words, index.into())?;
-            return Some([
-                a.simd_into(s),
-                b.simd_into(s),
-                c.simd_into(s),
-                d.simd_into(s),
-            ]);
-        }
+        Level::Avx512(token) => return Some(whole(s, quads_avx512(token, words, index.into())?)),
         Level::Avx2(token) => {
             let (low, high) = s.split_u32x16(index);
             let low = quads_avx2(token, words, low.into())?;
-            let high = quads_avx2(token, words, high.into())?;
-            return Some([
-                s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
-                s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
-                s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
-                s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
-            ]);
+            return Some(joined(s, low, quads_avx2(token, words, high.into())?));
         }
         _ => {}
     }
     let _ = (s, words, index);
     None
+}
+
+/// [`gather_quads`] of indices in memory. Loads take their addresses from there, and wait for those that were only just stored.
+#[inline(always)]
+pub fn gather_quads_at<S: Simd>(
+    s: S,
+    words: GatherTable<'_>,
+    at: &[u32; 16],
+) -> Option<[u32x16<S>; 4]> {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    match (s.level(), at.as_chunks::<8>().0) {
+        (Level::Avx512(token), _) => return Some(whole(s, quads_at_avx512(token, words, at)?)),
+        (Level::Avx2(token), [low, high]) => {
+            let low = quads_at_avx2(token, words, low)?;
+            return Some(joined(s, low, quads_at_avx2(token, words, high)?));
+        }
+        _ => {}
+    }
+    let _ = (s, words, at);
+    None
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[inline(always)]
+fn whole<S: Simd>(s: S, [a, b, c, d]: [__m512i; 4]) -> [u32x16<S>; 4] {
+    [
+        a.simd_into(s),
+        b.simd_into(s),
+        c.simd_into(s),
+        d.simd_into(s),
+    ]
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[inline(always)]
+fn joined<S: Simd>(s: S, low: [__m256i; 4], high: [__m256i; 4]) -> [u32x16<S>; 4] {
+    [
+        s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
+        s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
+        s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
+        s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
+    ]
 }
 
 /// [`gather`] by sixteen loads.
@@ -309,10 +339,8 @@ fearless_simd::kernel!(
     /// The indices, none above `last`.
     #[inline(always)]
     fn indices_avx2(token: Avx2, index: __m256i, last: u32) -> [u32; 8] {
-        through_memory_avx2(
-            token,
-            _mm256_min_epu32(index, _mm256_set1_epi32(last as i32)),
-        )
+        let last = _mm256_set1_epi32(last as i32);
+        through_memory_avx2(token, _mm256_min_epu32(index, last))
     }
 );
 
@@ -434,19 +462,11 @@ fn ahead(words: GatherTable<'_>, first: u32, last: u32) {
     unsafe { _mm_prefetch::<{ _MM_HINT_T0 }>(at.cast()) };
 }
 
+/// The words at indices in memory, all at most three before the last, and the three behind each.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// Each four by one load; `None` if some words lie beyond the end.
-    #[inline(always)]
-    fn quads_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> Option<[__m512i; 4]> {
-        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
-        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
-            return None;
-        }
-        let mut at = CacheAligned([0_u32; 16]);
-        // SAFETY: sixteen words are what the array holds.
-        unsafe { _mm512_storeu_si512(at.0.as_mut_ptr().cast(), index) };
-        let CacheAligned(at) = core::hint::black_box(&at);
+macro_rules! quads_avx512 {
+    ($words:expr, $at:expr) => {{
+        let (words, at): (GatherTable<'_>, &[u32; 16]) = ($words, $at);
         for row in 0..4 {
             ahead(words, at[4 * row], at[4 * row + 3]);
         }
@@ -468,6 +488,22 @@ fearless_simd::kernel!(
             _mm512_unpacklo_epi64(high_ab, high_cd),
             _mm512_unpackhi_epi64(high_ab, high_cd),
         ])
+    }};
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// `None` if some words lie beyond the end.
+    #[inline(always)]
+    fn quads_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> Option<[__m512i; 4]> {
+        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
+        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
+            return None;
+        }
+        let mut at = CacheAligned([0_u32; 16]);
+        // SAFETY: sixteen words are what the array holds.
+        unsafe { _mm512_storeu_si512(at.0.as_mut_ptr().cast(), index) };
+        quads_avx512!(words, &core::hint::black_box(&at).0)
     }
 );
 
@@ -475,13 +511,26 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     /// `None` if some words lie beyond the end.
     #[inline(always)]
-    fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> Option<[__m256i; 4]> {
-        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
-        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
-        if _mm256_movemask_epi8(within) != -1 {
+    fn quads_at_avx512(
+        token: Avx512,
+        words: GatherTable<'_>,
+        at: &[u32; 16],
+    ) -> Option<[__m512i; 4]> {
+        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
+        // SAFETY: sixteen words are what the array holds.
+        let index = unsafe { _mm512_loadu_si512(at.as_ptr().cast()) };
+        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
             return None;
         }
-        let at = through_memory_avx2(token, index);
+        quads_avx512!(words, at)
+    }
+);
+
+/// The words at indices in memory, all at most three before the last, and the three behind each.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+macro_rules! quads_avx2 {
+    ($words:expr, $at:expr) => {{
+        let (words, at): (GatherTable<'_>, &[u32; 8]) = ($words, $at);
         ahead(words, at[0], at[3]);
         ahead(words, at[4], at[7]);
         // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
@@ -501,5 +550,35 @@ fearless_simd::kernel!(
             _mm256_unpacklo_epi64(high_ab, high_cd),
             _mm256_unpackhi_epi64(high_ab, high_cd),
         ])
+    }};
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// `None` if some words lie beyond the end.
+    #[inline(always)]
+    fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> Option<[__m256i; 4]> {
+        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
+        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
+        if _mm256_movemask_epi8(within) != -1 {
+            return None;
+        }
+        quads_avx2!(words, &through_memory_avx2(token, index))
+    }
+);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// `None` if some words lie beyond the end.
+    #[inline(always)]
+    fn quads_at_avx2(token: Avx2, words: GatherTable<'_>, at: &[u32; 8]) -> Option<[__m256i; 4]> {
+        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
+        // SAFETY: eight words are what the array holds.
+        let index = unsafe { _mm256_loadu_si256(at.as_ptr().cast()) };
+        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
+        if _mm256_movemask_epi8(within) != -1 {
+            return None;
+        }
+        quads_avx2!(words, at)
     }
 );

@@ -466,6 +466,10 @@ impl<S: Simd> Isa for X16<S> {
         lanes::gather_quads(self.0, words, index)
     }
     #[inline(always)]
+    fn gather_quads_at(self, words: GatherTable<'_>, at: &[u32; 16]) -> Option<[u32x16<S>; 4]> {
+        lanes::gather_quads_at(self.0, words, at)
+    }
+    #[inline(always)]
     fn has_pairs(self) -> bool {
         lanes::has_pairs(self.0)
     }

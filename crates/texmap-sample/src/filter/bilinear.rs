@@ -1,6 +1,6 @@
 //! Four texels weighted by distance.
 
-use super::{FilterKernel, Input, LookUp};
+use super::{CellKernel, FilterKernel, Input, LookUp, cell::Cell};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -19,6 +19,36 @@ impl<const FORMAT: u8> FilterKernel for Bilinear<FORMAT> {
     fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         let [u, v] = at.uv;
         level_0::<I, FORMAT>(i, view, u, v)
+    }
+}
+
+impl<const FORMAT: u8> CellKernel for Bilinear<FORMAT> {
+    type Cells = (Cell, bool);
+    const ZERO: (Cell, bool) = (Cell::ZERO, false);
+
+    #[inline(always)]
+    fn find<I: Isa>(
+        i: I,
+        view: &BoundTexture<'_>,
+        at: &LookUp<I>,
+        _: I::F32,
+        (cell, paired): &mut (Cell, bool),
+    ) {
+        let level = LaneLevel::uniform(i, view, 0);
+        *paired = cell.find::<I, FORMAT>(i, view, &level, at.uv);
+    }
+
+    #[inline(always)]
+    fn color_of<I: Isa>(
+        i: I,
+        view: &BoundTexture<'_>,
+        at: &LookUp<I>,
+        (cell, paired): &(Cell, bool),
+    ) -> Color<I> {
+        if !paired {
+            return Self::color(i, view, at, i.f32(0.0));
+        }
+        scaled::<I>(cell.color::<I, FORMAT>(i, view), view)
     }
 }
 

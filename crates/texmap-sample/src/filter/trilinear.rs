@@ -1,6 +1,6 @@
 //! Bilinear on the two mip levels around.
 
-use super::{FilterKernel, Input, LookUp, bilinear::bilinear};
+use super::{CellKernel, FilterKernel, Input, LookUp, bilinear::bilinear, cell::Cell};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -20,6 +20,70 @@ impl<const FORMAT: u8> FilterKernel for Trilinear<FORMAT> {
         let [u, v] = at.uv;
         trilinear::<I, FORMAT>(i, view, u, v, lod)
     }
+}
+
+/// The cells of a vector on one level or two.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cells {
+    fine: Cell,
+    coarse: Cell,
+    lod: [f32; 16],
+    weight: [f32; 16],
+    /// False if texels must be read one by one.
+    paired: bool,
+    /// Some lane blends two levels.
+    blends: bool,
+}
+
+impl<const FORMAT: u8> CellKernel for Trilinear<FORMAT> {
+    type Cells = Cells;
+    const ZERO: Cells = Cells {
+        fine: Cell::ZERO,
+        coarse: Cell::ZERO,
+        lod: [0.0; 16],
+        weight: [0.0; 16],
+        paired: false,
+        blends: false,
+    };
+
+    #[inline(always)]
+    fn find<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32, cells: &mut Cells) {
+        let levels = LevelPair::new(i, view, lod);
+        let fine = &mut cells.fine;
+        cells.paired = fine.find::<I, FORMAT>(i, view, &levels.fine, at.uv)
+            && (!levels.blends
+                || cells
+                    .coarse
+                    .find::<I, FORMAT>(i, view, &levels.coarse, at.uv));
+        cells.blends = levels.blends;
+        levels.weight.store(&mut cells.weight);
+        lod.store(&mut cells.lod);
+    }
+
+    #[inline(always)]
+    fn color_of<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, cells: &Cells) -> Color<I> {
+        if !cells.paired {
+            return Self::color(i, view, at, i.load_f32(&cells.lod));
+        }
+        let c = cells.fine.color::<I, FORMAT>(i, view);
+        if !cells.blends {
+            return scaled::<I>(c, view);
+        }
+        let next = cells.coarse.color::<I, FORMAT>(i, view);
+        scaled::<I>(blend::<I>(view, c, next, i.load_f32(&cells.weight)), view)
+    }
+}
+
+/// A colour of the finer level and of the coarser; the finer alone where the other weighs nothing.
+#[inline(always)]
+fn blend<I: Isa>(
+    view: &BoundTexture<'_>,
+    fine: Color<I>,
+    coarse: Color<I>,
+    weight: I::F32,
+) -> Color<I> {
+    let two = weight.simd_gt(0.0);
+    select::<I>(two, mix::<I>(view, fine, coarse, weight), fine)
 }
 
 /// Trilinear at a limited level of detail. `FORMAT` is the view's.
@@ -75,7 +139,6 @@ impl<I: Isa> LevelPair<I> {
             return c;
         }
         let next = bilinear::<I, FORMAT>(i, view, &self.coarse, uv);
-        let two = self.weight.simd_gt(0.0);
-        select::<I>(two, mix::<I>(view, c, next, self.weight), c)
+        blend::<I>(view, c, next, self.weight)
     }
 }
