@@ -23,7 +23,8 @@ mod table;
 
 pub use bytes::lerp_bytes;
 pub use gather::{
-    GatherTable, gather, gather_pairs, gather_quads, gather_quads_at, has_pairs, prefetch,
+    GatherTable, gather, gather_pairs, gather_pairs_at, gather_quads, gather_quads_at, has_pairs,
+    prefetch,
 };
 pub(crate) use gather::{gather_pairs_x4, gather_quads_x4, gather_x4};
 pub use table::{lookup8, lookup16};

@@ -93,13 +93,18 @@ pub(crate) fn fetch_two_at<I: Isa, const FORMAT: u8>(
     view: &BoundTexture<'_>,
     words: &[u32; 16],
 ) -> [Color<I>; 2] {
-    if of_view::<FORMAT>(view) == RGBA16
-        && let Some([a, b, c, d]) = i.gather_quads_at(view.words, words)
-    {
-        return [
-            color16(i, view.opaque, [a, b]),
-            color16(i, view.opaque, [c, d]),
-        ];
+    match of_view::<FORMAT>(view) {
+        RGBA16 => {
+            if let Some([a, b, c, d]) = i.gather_quads_at(view.words, words) {
+                let (a, b) = ([a, b], [c, d]);
+                return [color16(i, view.opaque, a), color16(i, view.opaque, b)];
+            }
+        }
+        RGBA8_EXACT => {
+            let [a, b] = i.gather_pairs_at(view.words, words);
+            return [color8(i, view.opaque, a), color8(i, view.opaque, b)];
+        }
+        _ => {}
     }
     fetch_two::<I, FORMAT>(i, view, i.load_u32(words))
 }

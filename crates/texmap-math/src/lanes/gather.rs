@@ -146,6 +146,30 @@ pub fn gather_pairs<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> 
     [gather(s, words, index), gather(s, words, index + 1)]
 }
 
+/// [`gather_pairs`] of indices in memory, through which the processor loads: `None` where a level gains nothing by it, or if some words
+/// lie beyond the end.
+#[inline(always)]
+pub fn gather_pairs_at<S: Simd>(
+    s: S,
+    words: GatherTable<'_>,
+    at: &[u32; 16],
+) -> Option<[u32x16<S>; 2]> {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    match (s.level(), at.as_chunks::<8>().0) {
+        (Level::Avx2(token), [low, high]) => {
+            let [low, low_next] = pairs_at_avx2(token, words, low)?;
+            let [high, high_next] = pairs_at_avx2(token, words, high)?;
+            return Some([
+                s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
+                s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
+            ]);
+        }
+        _ => {}
+    }
+    let _ = (s, words, at);
+    None
+}
+
 /// True if [`gather_pairs`] costs less than two gathers.
 #[inline(always)]
 pub fn has_pairs<S: Simd>(s: S) -> bool {
@@ -390,12 +414,11 @@ unsafe fn pair(words: GatherTable<'_>, at: u32) -> i64 {
     unsafe { start.add(at as usize * 4).cast::<i64>().read_unaligned() }
 }
 
+/// The words at indices in memory, all below the last, and those behind them.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// Of more than one word.
-    #[inline(always)]
-    fn pairs_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 2] {
-        let at = indices_avx2(token, index, words.last.saturating_sub(1));
+macro_rules! pairs_avx2 {
+    ($words:expr, $at:expr) => {{
+        let (words, at): (GatherTable<'_>, &[u32; 8]) = ($words, $at);
         // SAFETY: every index is below `last`, which is below `data.len()`, so that both words are elements.
         let [a, b, c, d] = unsafe {
             [
@@ -413,6 +436,34 @@ fearless_simd::kernel!(
             _mm256_castps_si256(_mm256_shuffle_ps::<0x88>(x, y)),
             _mm256_castps_si256(_mm256_shuffle_ps::<0xdd>(x, y)),
         ]
+    }};
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// `None` if some words lie beyond the end.
+    #[inline(always)]
+    fn pairs_at_avx2(token: Avx2, words: GatherTable<'_>, at: &[u32; 8]) -> Option<[__m256i; 2]> {
+        let last = _mm256_set1_epi32(words.last.checked_sub(1)? as i32);
+        // SAFETY: eight words are what the array holds.
+        let index = unsafe { _mm256_loadu_si256(at.as_ptr().cast()) };
+        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
+        if _mm256_movemask_epi8(within) != -1 {
+            return None;
+        }
+        Some(pairs_avx2!(words, as_stored(at)))
+    }
+);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fearless_simd::kernel!(
+    /// Of more than one word.
+    #[inline(always)]
+    fn pairs_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 2] {
+        pairs_avx2!(
+            words,
+            &indices_avx2(token, index, words.last.saturating_sub(1))
+        )
     }
 );
 
@@ -449,6 +500,13 @@ fearless_simd::kernel!(
 unsafe fn quad(words: GatherTable<'_>, at: u32) -> __m128i {
     // SAFETY: the caller's word; sixteen bytes from there on are it and the next three.
     unsafe { _mm_loadu_si128(words.data.as_ptr().add(at as usize).cast()) }
+}
+
+/// Indices that are loaded one by one: a compiler that sees more of them would load vectors and take the indices out.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[inline(always)]
+fn as_stored<const N: usize>(at: &[u32; N]) -> &[u32; N] {
+    core::hint::black_box(at)
 }
 
 /// Asks for the cache line of a word three blocks on, where `first` and `last` are those of the first and last of four pixels in a row.
@@ -522,7 +580,7 @@ fearless_simd::kernel!(
         if _mm512_cmpgt_epu32_mask(index, last) != 0 {
             return None;
         }
-        quads_avx512!(words, at)
+        quads_avx512!(words, as_stored(at))
     }
 );
 
@@ -579,6 +637,6 @@ fearless_simd::kernel!(
         if _mm256_movemask_epi8(within) != -1 {
             return None;
         }
-        quads_avx2!(words, at)
+        quads_avx2!(words, as_stored(at))
     }
 );

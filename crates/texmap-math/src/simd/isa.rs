@@ -199,8 +199,13 @@ pub trait Isa: Copy + core::fmt::Debug + Send + Sync + 'static {
     /// The words at `index` and the three behind each. Only if that costs less than [`gather`](Self::gather)s and none lies
     /// beyond the end.
     fn gather_quads(self, words: GatherTable<'_>, index: Self::U32) -> Option<[Self::U32; 4]>;
-    /// [`gather_quads`](Self::gather_quads) of indices in memory, the first [`LANES`](Self::LANES) of `at`. The processor loads through
+    /// [`gather_pairs`](Self::gather_pairs) of indices in memory, the first [`LANES`](Self::LANES) of `at`. The processor loads through
     /// them, which is faster if they were stored a while before.
+    #[inline(always)]
+    fn gather_pairs_at(self, words: GatherTable<'_>, at: &[u32; 16]) -> [Self::U32; 2] {
+        self.gather_pairs(words, self.load_u32(at))
+    }
+    /// [`gather_quads`](Self::gather_quads) of indices in memory, as [`gather_pairs_at`](Self::gather_pairs_at).
     #[inline(always)]
     fn gather_quads_at(self, words: GatherTable<'_>, at: &[u32; 16]) -> Option<[Self::U32; 4]> {
         self.gather_quads(words, self.load_u32(at))

@@ -466,6 +466,13 @@ impl<S: Simd> Isa for X16<S> {
         lanes::gather_quads(self.0, words, index)
     }
     #[inline(always)]
+    fn gather_pairs_at(self, words: GatherTable<'_>, at: &[u32; 16]) -> [u32x16<S>; 2] {
+        match lanes::gather_pairs_at(self.0, words, at) {
+            Some(pairs) => pairs,
+            None => self.gather_pairs(words, self.load_u32(at)),
+        }
+    }
+    #[inline(always)]
     fn gather_quads_at(self, words: GatherTable<'_>, at: &[u32; 16]) -> Option<[u32x16<S>; 4]> {
         lanes::gather_quads_at(self.0, words, at)
     }
