@@ -63,6 +63,34 @@ fn gathers_read_the_same_words_and_stay_inside() {
         });
         let want = [0, 1].map(|next| pairs.map(|i| words.get(i + next)));
         assert_eq!(read, want, "{name}");
+        let through_memory = dispatch!(level, s => {
+            X16(s).gather_pairs_at(words, &pairs).map(<[u32; 16]>::from)
+        });
+        assert_eq!(through_memory, want, "{name}");
+        // Fours, the last of which ends with the last word, and indices that reach beyond it.
+        let quads = pairs.map(|i| i.min(996));
+        let want = [0, 1, 2, 3].map(|next| quads.map(|i| words.get(i + next)));
+        dispatch!(level, s => {
+            let index = u32x16::from_slice(s, &quads);
+            let found = lanes::gather_quads(s, words, index);
+            let through_memory = lanes::gather_quads_at(s, words, &quads);
+            assert_eq!(found.is_some(), lanes::is_wide(s), "{name}");
+            assert_eq!(through_memory.is_some(), lanes::is_wide(s), "{name}");
+            for found in [found, through_memory].into_iter().flatten() {
+                assert_eq!(found.map(<[u32; 16]>::from), want, "{name}");
+            }
+            for lane in [0, 7, 8, 15] {
+                let mut beyond = quads;
+                beyond[lane] = 997;
+                let index = u32x16::from_slice(s, &beyond);
+                assert!(lanes::gather_quads(s, words, index).is_none(), "{name} {lane}");
+                assert!(lanes::gather_quads_at(s, words, &beyond).is_none(), "{name} {lane}");
+                beyond[lane] = 999;
+                assert!(lanes::gather_pairs_at(s, words, &beyond).is_none(), "{name} {lane}");
+            }
+            assert!(lanes::gather_quads_at(s, one, &[0; 16]).is_none(), "{name}");
+            assert!(lanes::gather_pairs_at(s, one, &[0; 16]).is_none(), "{name}");
+        });
         // The last triple ends with the last word: a load of four would go beyond it.
         let triples = [0, 1, 2, 993, 997, 500, 499, 7, 7, 7, 0, 996, 33, 64, 65, 66];
         for triples in [

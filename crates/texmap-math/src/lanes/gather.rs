@@ -155,16 +155,13 @@ pub fn gather_pairs_at<S: Simd>(
     at: &[u32; 16],
 ) -> Option<[u32x16<S>; 2]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    match (s.level(), at.as_chunks::<8>().0) {
-        (Level::Avx2(token), [low, high]) => {
-            let [low, low_next] = pairs_at_avx2(token, words, low)?;
-            let [high, high_next] = pairs_at_avx2(token, words, high)?;
-            return Some([
-                s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
-                s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
-            ]);
-        }
-        _ => {}
+    if let (Level::Avx2(token), [low, high]) = (s.level(), at.as_chunks::<8>().0) {
+        let [low, low_next] = pairs_at_avx2(token, words, low)?;
+        let [high, high_next] = pairs_at_avx2(token, words, high)?;
+        return Some([
+            s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
+            s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
+        ]);
     }
     let _ = (s, words, at);
     None
