@@ -13,39 +13,12 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdBase, u32x4, u32x16};
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-use super::{CacheAligned, is_wide};
-
-#[cfg(target_arch = "x86")]
-use core::arch::x86::{
-    __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
-    _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_loadu_si256, _mm256_min_epu32,
-    _mm256_movemask_epi8, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
-    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi256_si512, _mm512_castsi512_si256,
-    _mm512_cmpgt_epu32_mask, _mm512_extracti64x4_epi64, _mm512_i32gather_epi32,
-    _mm512_i32gather_epi64, _mm512_inserti64x4, _mm512_loadu_si512, _mm512_min_epu32,
-    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
-    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
-    _mm512_unpacklo_epi64,
-};
-#[cfg(target_arch = "x86_64")]
-use core::arch::x86_64::{
-    __m128i, __m256i, __m512i, _MM_HINT_T0, _mm_castps_si128, _mm_castsi128_ps, _mm_loadu_si128,
-    _mm_prefetch, _mm_set_epi64x, _mm_shuffle_ps, _mm_storeu_si128, _mm256_castps_si256,
-    _mm256_castsi256_ps, _mm256_cmpeq_epi32, _mm256_loadu_si256, _mm256_min_epu32,
-    _mm256_movemask_epi8, _mm256_set_m128i, _mm256_set1_epi32, _mm256_setr_epi32,
-    _mm256_shuffle_ps, _mm256_storeu_si256, _mm256_unpackhi_epi32, _mm256_unpackhi_epi64,
-    _mm256_unpacklo_epi32, _mm256_unpacklo_epi64, _mm512_castsi256_si512, _mm512_castsi512_si256,
-    _mm512_cmpgt_epu32_mask, _mm512_extracti64x4_epi64, _mm512_i32gather_epi32,
-    _mm512_i32gather_epi64, _mm512_inserti64x4, _mm512_loadu_si512, _mm512_min_epu32,
-    _mm512_permutex2var_epi32, _mm512_set1_epi32, _mm512_setr_epi32, _mm512_setzero_si512,
-    _mm512_storeu_si512, _mm512_unpackhi_epi32, _mm512_unpackhi_epi64, _mm512_unpacklo_epi32,
-    _mm512_unpacklo_epi64,
-};
+use super::is_wide;
 
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod wasm;
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+mod x86;
 
 /// 32-bit words to gather from: at least one. Texels of other sizes are cast to words first.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +54,8 @@ pub fn prefetch(bytes: &[u8]) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch reads nothing, faults nowhere, and is part of what every x86-64 has.
     unsafe {
-        _mm_prefetch::<{ core::arch::x86_64::_MM_HINT_ET0 }>(bytes.as_ptr().cast());
+        use core::arch::x86_64::{_MM_HINT_ET0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_ET0>(bytes.as_ptr().cast());
     }
     let _ = bytes;
 }
@@ -93,11 +67,11 @@ pub fn prefetch(bytes: &[u8]) {
 pub fn gather<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> u32x16<S> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match s.level() {
-        Level::Avx512(token) => return gather_avx512(token, words, index.into()).simd_into(s),
+        Level::Avx512(token) => return x86::gather_avx512(token, words, index.into()).simd_into(s),
         Level::Avx2(token) => {
             let (low, high) = s.split_u32x16(index);
-            let low = loads_avx2(token, words, low.into()).simd_into(s);
-            let high = loads_avx2(token, words, high.into()).simd_into(s);
+            let low = x86::loads_avx2(token, words, low.into()).simd_into(s);
+            let high = x86::loads_avx2(token, words, high.into()).simd_into(s);
             return s.combine_u32x8(low, high);
         }
         _ => {}
@@ -111,13 +85,13 @@ pub fn gather_pairs<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> 
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match (s.level(), words.last) {
         (Level::Avx512(token), 1..) => {
-            let [a, b] = pairs_avx512(token, words, index.into());
+            let [a, b] = x86::pairs_avx512(token, words, index.into());
             return [a.simd_into(s), b.simd_into(s)];
         }
         (Level::Avx2(token), 1..) => {
             let (low, high) = s.split_u32x16(index);
-            let [low, low_next] = pairs_avx2(token, words, low.into());
-            let [high, high_next] = pairs_avx2(token, words, high.into());
+            let [low, low_next] = x86::pairs_avx2(token, words, low.into());
+            let [high, high_next] = x86::pairs_avx2(token, words, high.into());
             return [
                 s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
                 s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
@@ -126,10 +100,10 @@ pub fn gather_pairs<S: Simd>(s: S, words: GatherTable<'_>, index: u32x16<S>) -> 
         (Level::Sse2(token), 1..) => {
             let (low, high) = s.split_u32x16(index);
             let ((a, b), (c, d)) = (s.split_u32x8(low), s.split_u32x8(high));
-            let [a, a_next] = pairs_sse2(token, words, a.into());
-            let [b, b_next] = pairs_sse2(token, words, b.into());
-            let [c, c_next] = pairs_sse2(token, words, c.into());
-            let [d, d_next] = pairs_sse2(token, words, d.into());
+            let [a, a_next] = x86::pairs_sse2(token, words, a.into());
+            let [b, b_next] = x86::pairs_sse2(token, words, b.into());
+            let [c, c_next] = x86::pairs_sse2(token, words, c.into());
+            let [d, d_next] = x86::pairs_sse2(token, words, d.into());
             return [
                 s.combine_u32x8(
                     s.combine_u32x4(a.simd_into(s), b.simd_into(s)),
@@ -156,8 +130,8 @@ pub fn gather_pairs_at<S: Simd>(
 ) -> Option<[u32x16<S>; 2]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let (Level::Avx2(token), [low, high]) = (s.level(), at.as_chunks::<8>().0) {
-        let [low, low_next] = pairs_at_avx2(token, words, low)?;
-        let [high, high_next] = pairs_at_avx2(token, words, high)?;
+        let [low, low_next] = x86::pairs_at_avx2(token, words, low)?;
+        let [high, high_next] = x86::pairs_at_avx2(token, words, high)?;
         return Some([
             s.combine_u32x8(low.simd_into(s), high.simd_into(s)),
             s.combine_u32x8(low_next.simd_into(s), high_next.simd_into(s)),
@@ -191,11 +165,20 @@ pub fn gather_quads<S: Simd>(
 ) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match s.level() {
-        Level::Avx512(token) => return Some(whole(s, quads_avx512(token, words, index.into())?)),
+        Level::Avx512(token) => {
+            return Some(x86::whole(
+                s,
+                x86::quads_avx512(token, words, index.into())?,
+            ));
+        }
         Level::Avx2(token) => {
             let (low, high) = s.split_u32x16(index);
-            let low = quads_avx2(token, words, low.into())?;
-            return Some(joined(s, low, quads_avx2(token, words, high.into())?));
+            let low = x86::quads_avx2(token, words, low.into())?;
+            return Some(x86::joined(
+                s,
+                low,
+                x86::quads_avx2(token, words, high.into())?,
+            ));
         }
         _ => {}
     }
@@ -212,37 +195,17 @@ pub fn gather_quads_at<S: Simd>(
 ) -> Option<[u32x16<S>; 4]> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     match (s.level(), at.as_chunks::<8>().0) {
-        (Level::Avx512(token), _) => return Some(whole(s, quads_at_avx512(token, words, at)?)),
+        (Level::Avx512(token), _) => {
+            return Some(x86::whole(s, x86::quads_at_avx512(token, words, at)?));
+        }
         (Level::Avx2(token), [low, high]) => {
-            let low = quads_at_avx2(token, words, low)?;
-            return Some(joined(s, low, quads_at_avx2(token, words, high)?));
+            let low = x86::quads_at_avx2(token, words, low)?;
+            return Some(x86::joined(s, low, x86::quads_at_avx2(token, words, high)?));
         }
         _ => {}
     }
     let _ = (s, words, at);
     None
-}
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[inline(always)]
-fn whole<S: Simd>(s: S, [a, b, c, d]: [__m512i; 4]) -> [u32x16<S>; 4] {
-    [
-        a.simd_into(s),
-        b.simd_into(s),
-        c.simd_into(s),
-        d.simd_into(s),
-    ]
-}
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[inline(always)]
-fn joined<S: Simd>(s: S, low: [__m256i; 4], high: [__m256i; 4]) -> [u32x16<S>; 4] {
-    [
-        s.combine_u32x8(low[0].simd_into(s), high[0].simd_into(s)),
-        s.combine_u32x8(low[1].simd_into(s), high[1].simd_into(s)),
-        s.combine_u32x8(low[2].simd_into(s), high[2].simd_into(s)),
-        s.combine_u32x8(low[3].simd_into(s), high[3].simd_into(s)),
-    ]
 }
 
 /// [`gather`] by sixteen loads.
@@ -280,7 +243,7 @@ pub(crate) fn gather_pairs_x4<S: Simd>(
 ) -> [u32x4<S>; 2] {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let (Level::Sse2(token), 1..) = (s.level(), words.last) {
-        let [a, b] = pairs_sse2(token, words, index.into());
+        let [a, b] = x86::pairs_sse2(token, words, index.into());
         return [a.simd_into(s), b.simd_into(s)];
     }
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -313,327 +276,3 @@ pub(crate) fn gather_quads_x4<S: Simd>(
     let _ = (s, words, index);
     None
 }
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    #[inline]
-    fn gather_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> __m512i {
-        let index = _mm512_min_epu32(index, _mm512_set1_epi32(words.last as i32));
-        // SAFETY: every index is at most `last`, which is below `data.len()` and within i32, so each address is that of an element.
-        unsafe { _mm512_i32gather_epi32::<4>(index, words.data.as_ptr().cast()) }
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// Of more than one word: a gather of eight pairs takes as long as one of sixteen words.
-    #[inline]
-    fn pairs_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> [__m512i; 2] {
-        let last = words.last.saturating_sub(1) as i32;
-        let index = _mm512_min_epu32(index, _mm512_set1_epi32(last));
-        let low = _mm512_castsi512_si256(index);
-        let high = _mm512_extracti64x4_epi64::<1>(index);
-        let start = words.data.as_ptr().cast();
-        // SAFETY: every index is below `last`, which is below `data.len()` and within i32, so that both words are elements.
-        let (low, high) = unsafe {
-            (
-                _mm512_i32gather_epi64::<4>(low, start),
-                _mm512_i32gather_epi64::<4>(high, start),
-            )
-        };
-        let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-        let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-        [
-            _mm512_permutex2var_epi32(low, even, high),
-            _mm512_permutex2var_epi32(low, odd, high),
-        ]
-    }
-);
-
-/// In a cache line of their own: written across two, they are read back in twice the time.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[repr(align(64))]
-struct Indices([u32; 8]);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// The indices, none above `last`.
-    #[inline(always)]
-    fn indices_avx2(token: Avx2, index: __m256i, last: u32) -> [u32; 8] {
-        let last = _mm256_set1_epi32(last as i32);
-        through_memory_avx2(token, _mm256_min_epu32(index, last))
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// The words of a register: taking them out one by one is slower.
-    #[inline(always)]
-    fn through_memory_avx2(token: Avx2, index: __m256i) -> [u32; 8] {
-        let mut lanes = Indices([0; 8]);
-        // SAFETY: eight words are what the array holds.
-        unsafe { _mm256_storeu_si256(lanes.0.as_mut_ptr().cast(), index) };
-        core::hint::black_box(&lanes).0
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    #[inline(always)]
-    fn loads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> __m256i {
-        // No `map`: its closure is not always inlined.
-        let at = indices_avx2(token, index, words.last);
-        // SAFETY: every index is at most `last`, which is below `data.len()`.
-        unsafe {
-            _mm256_setr_epi32(
-                *words.data.get_unchecked(at[0] as usize) as i32,
-                *words.data.get_unchecked(at[1] as usize) as i32,
-                *words.data.get_unchecked(at[2] as usize) as i32,
-                *words.data.get_unchecked(at[3] as usize) as i32,
-                *words.data.get_unchecked(at[4] as usize) as i32,
-                *words.data.get_unchecked(at[5] as usize) as i32,
-                *words.data.get_unchecked(at[6] as usize) as i32,
-                *words.data.get_unchecked(at[7] as usize) as i32,
-            )
-        }
-    }
-);
-
-/// A word and the one behind it.
-///
-/// # Safety
-/// Both lie within the words.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[inline(always)]
-unsafe fn pair(words: GatherTable<'_>, at: u32) -> i64 {
-    let start = words.data.as_ptr().cast::<u8>();
-    // SAFETY: the caller's word; eight bytes from there on are it and the next.
-    unsafe { start.add(at as usize * 4).cast::<i64>().read_unaligned() }
-}
-
-/// The words at indices in memory, all below the last, and those behind them.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-macro_rules! pairs_avx2 {
-    ($words:expr, $at:expr) => {{
-        let (words, at): (GatherTable<'_>, &[u32; 8]) = ($words, $at);
-        // SAFETY: every index is below `last`, which is below `data.len()`, so that both words are elements.
-        let [a, b, c, d] = unsafe {
-            [
-                _mm_set_epi64x(pair(words, at[1]), pair(words, at[0])),
-                _mm_set_epi64x(pair(words, at[3]), pair(words, at[2])),
-                _mm_set_epi64x(pair(words, at[5]), pair(words, at[4])),
-                _mm_set_epi64x(pair(words, at[7]), pair(words, at[6])),
-            ]
-        };
-        let (x, y) = (
-            _mm256_castsi256_ps(_mm256_set_m128i(c, a)),
-            _mm256_castsi256_ps(_mm256_set_m128i(d, b)),
-        );
-        [
-            _mm256_castps_si256(_mm256_shuffle_ps::<0x88>(x, y)),
-            _mm256_castps_si256(_mm256_shuffle_ps::<0xdd>(x, y)),
-        ]
-    }};
-}
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// `None` if some words lie beyond the end.
-    #[inline(always)]
-    fn pairs_at_avx2(token: Avx2, words: GatherTable<'_>, at: &[u32; 8]) -> Option<[__m256i; 2]> {
-        let last = _mm256_set1_epi32(words.last.checked_sub(1)? as i32);
-        // SAFETY: eight words are what the array holds.
-        let index = unsafe { _mm256_loadu_si256(at.as_ptr().cast()) };
-        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
-        if _mm256_movemask_epi8(within) != -1 {
-            return None;
-        }
-        Some(pairs_avx2!(words, as_stored(at)))
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// Of more than one word.
-    #[inline(always)]
-    fn pairs_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> [__m256i; 2] {
-        pairs_avx2!(
-            words,
-            &indices_avx2(token, index, words.last.saturating_sub(1))
-        )
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// Of more than one word.
-    #[inline(always)]
-    fn pairs_sse2(token: Sse2, words: GatherTable<'_>, index: __m128i) -> [__m128i; 2] {
-        let last = words.last.saturating_sub(1);
-        let mut at = [0_u32; 4];
-        // SAFETY: four words are what the array holds.
-        unsafe { _mm_storeu_si128(at.as_mut_ptr().cast(), index) };
-        // SAFETY: every index is below `last` of the words, which is below `data.len()`, so that both words are elements.
-        let (x, y) = unsafe {
-            (
-                _mm_set_epi64x(pair(words, at[1].min(last)), pair(words, at[0].min(last))),
-                _mm_set_epi64x(pair(words, at[3].min(last)), pair(words, at[2].min(last))),
-            )
-        };
-        let (x, y) = (_mm_castsi128_ps(x), _mm_castsi128_ps(y));
-        [
-            _mm_castps_si128(_mm_shuffle_ps::<0x88>(x, y)),
-            _mm_castps_si128(_mm_shuffle_ps::<0xdd>(x, y)),
-        ]
-    }
-);
-
-/// Four words that follow one another.
-///
-/// # Safety
-/// All lie within the words.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[inline(always)]
-unsafe fn quad(words: GatherTable<'_>, at: u32) -> __m128i {
-    // SAFETY: the caller's word; sixteen bytes from there on are it and the next three.
-    unsafe { _mm_loadu_si128(words.data.as_ptr().add(at as usize).cast()) }
-}
-
-/// Indices that are loaded one by one: a compiler that sees more of them would load vectors and take the indices out.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[inline(always)]
-fn as_stored<const N: usize>(at: &[u32; N]) -> &[u32; N] {
-    core::hint::black_box(at)
-}
-
-/// Asks for the cache line of a word three blocks on, where `first` and `last` are those of the first and last of four pixels in a row.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-#[inline(always)]
-fn ahead(words: GatherTable<'_>, first: u32, last: u32) {
-    let step = (last.wrapping_sub(first) as i32).wrapping_mul(4);
-    let at = words.data.as_ptr();
-    let at = at.wrapping_offset((first as i32).wrapping_add(step) as isize);
-    // SAFETY: a prefetch reads nothing and faults nowhere, and every x86-64 has it.
-    unsafe { _mm_prefetch::<{ _MM_HINT_T0 }>(at.cast()) };
-}
-
-/// The words at indices in memory, all at most three before the last, and the three behind each.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-macro_rules! quads_avx512 {
-    ($words:expr, $at:expr) => {{
-        let (words, at): (GatherTable<'_>, &[u32; 16]) = ($words, $at);
-        for row in 0..4 {
-            ahead(words, at[4 * row], at[4 * row + 3]);
-        }
-        let mut rows = [_mm512_setzero_si512(); 4];
-        for (i, row) in rows.iter_mut().enumerate() {
-            // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
-            *row = unsafe {
-                let low = _mm256_set_m128i(quad(words, at[i + 4]), quad(words, at[i]));
-                let high = _mm256_set_m128i(quad(words, at[i + 12]), quad(words, at[i + 8]));
-                _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high)
-            };
-        }
-        let [a, b, c, d] = rows;
-        let (low_ab, high_ab) = (_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
-        let (low_cd, high_cd) = (_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
-        Some([
-            _mm512_unpacklo_epi64(low_ab, low_cd),
-            _mm512_unpackhi_epi64(low_ab, low_cd),
-            _mm512_unpacklo_epi64(high_ab, high_cd),
-            _mm512_unpackhi_epi64(high_ab, high_cd),
-        ])
-    }};
-}
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// `None` if some words lie beyond the end.
-    #[inline(always)]
-    fn quads_avx512(token: Avx512, words: GatherTable<'_>, index: __m512i) -> Option<[__m512i; 4]> {
-        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
-        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
-            return None;
-        }
-        let mut at = CacheAligned([0_u32; 16]);
-        // SAFETY: sixteen words are what the array holds.
-        unsafe { _mm512_storeu_si512(at.0.as_mut_ptr().cast(), index) };
-        quads_avx512!(words, &core::hint::black_box(&at).0)
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// `None` if some words lie beyond the end.
-    #[inline(always)]
-    fn quads_at_avx512(
-        token: Avx512,
-        words: GatherTable<'_>,
-        at: &[u32; 16],
-    ) -> Option<[__m512i; 4]> {
-        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
-        // SAFETY: sixteen words are what the array holds.
-        let index = unsafe { _mm512_loadu_si512(at.as_ptr().cast()) };
-        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
-            return None;
-        }
-        quads_avx512!(words, as_stored(at))
-    }
-);
-
-/// The words at indices in memory, all at most three before the last, and the three behind each.
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-macro_rules! quads_avx2 {
-    ($words:expr, $at:expr) => {{
-        let (words, at): (GatherTable<'_>, &[u32; 8]) = ($words, $at);
-        ahead(words, at[0], at[3]);
-        ahead(words, at[4], at[7]);
-        // SAFETY: every index is at most three before `last`, which is below `data.len()`, so that all four words are elements.
-        let [a, b, c, d] = unsafe {
-            [
-                _mm256_set_m128i(quad(words, at[4]), quad(words, at[0])),
-                _mm256_set_m128i(quad(words, at[5]), quad(words, at[1])),
-                _mm256_set_m128i(quad(words, at[6]), quad(words, at[2])),
-                _mm256_set_m128i(quad(words, at[7]), quad(words, at[3])),
-            ]
-        };
-        let (low_ab, high_ab) = (_mm256_unpacklo_epi32(a, b), _mm256_unpackhi_epi32(a, b));
-        let (low_cd, high_cd) = (_mm256_unpacklo_epi32(c, d), _mm256_unpackhi_epi32(c, d));
-        Some([
-            _mm256_unpacklo_epi64(low_ab, low_cd),
-            _mm256_unpackhi_epi64(low_ab, low_cd),
-            _mm256_unpacklo_epi64(high_ab, high_cd),
-            _mm256_unpackhi_epi64(high_ab, high_cd),
-        ])
-    }};
-}
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// `None` if some words lie beyond the end.
-    #[inline(always)]
-    fn quads_avx2(token: Avx2, words: GatherTable<'_>, index: __m256i) -> Option<[__m256i; 4]> {
-        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
-        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
-        if _mm256_movemask_epi8(within) != -1 {
-            return None;
-        }
-        quads_avx2!(words, &through_memory_avx2(token, index))
-    }
-);
-
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-fearless_simd::kernel!(
-    /// `None` if some words lie beyond the end.
-    #[inline(always)]
-    fn quads_at_avx2(token: Avx2, words: GatherTable<'_>, at: &[u32; 8]) -> Option<[__m256i; 4]> {
-        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
-        // SAFETY: eight words are what the array holds.
-        let index = unsafe { _mm256_loadu_si256(at.as_ptr().cast()) };
-        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
-        if _mm256_movemask_epi8(within) != -1 {
-            return None;
-        }
-        quads_avx2!(words, as_stored(at))
-    }
-);
