@@ -5,13 +5,14 @@ use crate::{
         lod::{TexelFootprint, lod},
         texel::LaneLevel,
     },
-    batch::{PART, Places, in_vectors, load, sample_bound_soa, store_columns, vector_start},
+    batch::{PART, Places, sample_bound_soa},
     bound_texture::{ANY, BoundTexture, exact_format},
     error::SampleError,
     fetch::{Color, fetch_corners, scaled},
     filter::{Kernel, bilinear::cell},
     sampler::Sampler,
     texture::Texture2d,
+    vectors::{in_vectors, load, store_columns, vector_start},
 };
 use texmap_math::{
     Level, dispatch_simd,

@@ -65,6 +65,7 @@ mod texel_data;
 mod texture;
 mod transform;
 mod upload;
+mod vectors;
 mod volume;
 mod volume_integrator;
 

@@ -3,12 +3,13 @@
 use super::{TextureCube, edges::EDGES};
 use crate::{
     address::texel::LaneLevel,
-    batch::{check, in_vectors, load, store_columns, vector_start},
+    batch::check,
     bound_texture::{ANY, BoundTexture, RGBA8_EXACT, exact_format},
     error::SampleError,
     fetch::{Color, fetch, fetch_two, mix, mix_four, scaled, select},
     filter::{Kernel, bilinear::cell, gl::Reads, gl_of, trilinear::LevelPair},
     sampler::{Mip, Sampler, TexelFilter},
+    vectors::{in_vectors, load, store_columns, vector_start},
 };
 use texmap_math::{
     Level, dispatch_simd,

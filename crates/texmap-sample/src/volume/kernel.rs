@@ -6,12 +6,13 @@ use crate::{
         texel::LaneLevel,
         wrap::{Axis, Wrap},
     },
-    batch::{check, in_vectors, load, store_columns, vector_start},
+    batch::check,
     bound_texture::{ANY, BoundTexture, exact_format},
     error::SampleError,
     fetch::{Color, fetch_two, mix, mix_four, scaled, tap},
     filter::{Kernel, bilinear::cell, gl::Reads},
     sampler::{Sampler, TexelFilter},
+    vectors::{in_vectors, load, store_columns, vector_start},
 };
 use texmap_math::{
     Level, dispatch_simd,
