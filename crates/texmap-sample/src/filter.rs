@@ -150,7 +150,7 @@ pub(crate) trait CellKernel: FilterKernel {
     ) -> Color<I>;
 }
 
-/// What of a look-up a filter reads.
+/// The part of a look-up that a filter reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Input {
     /// Coordinates alone.

@@ -2,7 +2,7 @@
 
 use texmap_math::simd::{Isa, prelude::*};
 
-/// Where the vector at `first` starts: the last one of a batch starts earlier and takes look-ups of the one before again rather than be
+/// The start of the vector at `first`: the last one of a batch starts earlier and takes look-ups of the one before again rather than be
 /// shorter. Stores of fewer values would be calls of a copy in the loop, before which a compiler sets all registers aside.
 #[inline(always)]
 pub(crate) fn vector_start<I: Isa>(first: usize, count: usize) -> usize {

@@ -10,7 +10,7 @@ use texmap_math::simd::{Isa, prelude::*};
 /// Vectors in a run. A load waits for an address that was only just stored; those of a run are in the cache by the time they are used.
 pub(crate) const RUN: usize = 4;
 
-/// Where a vector's four texels lie on a level, and how they are weighted.
+/// The addresses of a vector's four texels on a level, and their weights.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Cell {

@@ -92,6 +92,23 @@ fearless_simd::kernel!(
     }
 );
 
+fearless_simd::kernel!(
+    /// True if no index is above `last`.
+    #[inline(always)]
+    fn within_avx512(token: Avx512, index: __m512i, last: u32) -> bool {
+        _mm512_cmpgt_epu32_mask(index, _mm512_set1_epi32(last as i32)) == 0
+    }
+);
+
+fearless_simd::kernel!(
+    /// True if no index is above `last`.
+    #[inline(always)]
+    fn within_avx2(token: Avx2, index: __m256i, last: u32) -> bool {
+        let cut = _mm256_min_epu32(index, _mm256_set1_epi32(last as i32));
+        _mm256_movemask_epi8(_mm256_cmpeq_epi32(cut, index)) == -1
+    }
+);
+
 /// In a cache line of their own: written across two, they are read back in twice the time.
 #[repr(align(64))]
 struct Indices([u32; 8]);
@@ -99,7 +116,7 @@ struct Indices([u32; 8]);
 fearless_simd::kernel!(
     /// The indices, none above `last`.
     #[inline(always)]
-    pub(super) fn indices_avx2(token: Avx2, index: __m256i, last: u32) -> [u32; 8] {
+    fn indices_avx2(token: Avx2, index: __m256i, last: u32) -> [u32; 8] {
         let last = _mm256_set1_epi32(last as i32);
         through_memory_avx2(token, _mm256_min_epu32(index, last))
     }
@@ -108,7 +125,7 @@ fearless_simd::kernel!(
 fearless_simd::kernel!(
     /// The words of a register: taking them out one by one is slower.
     #[inline(always)]
-    pub(super) fn through_memory_avx2(token: Avx2, index: __m256i) -> [u32; 8] {
+    fn through_memory_avx2(token: Avx2, index: __m256i) -> [u32; 8] {
         let mut lanes = Indices([0; 8]);
         // SAFETY: eight words are what the array holds.
         unsafe { _mm256_storeu_si256(lanes.0.as_mut_ptr().cast(), index) };
@@ -180,11 +197,9 @@ fearless_simd::kernel!(
         words: GatherTable<'_>,
         at: &[u32; 8],
     ) -> Option<[__m256i; 2]> {
-        let last = _mm256_set1_epi32(words.last.checked_sub(1)? as i32);
         // SAFETY: eight words are what the array holds.
         let index = unsafe { _mm256_loadu_si256(at.as_ptr().cast()) };
-        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
-        if _mm256_movemask_epi8(within) != -1 {
+        if !within_avx2(token, index, words.last.checked_sub(1)?) {
             return None;
         }
         Some(pairs_avx2!(words, as_stored(at)))
@@ -287,8 +302,7 @@ fearless_simd::kernel!(
         words: GatherTable<'_>,
         index: __m512i,
     ) -> Option<[__m512i; 4]> {
-        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
-        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
+        if !within_avx512(token, index, words.last.checked_sub(3)?) {
             return None;
         }
         let mut at = CacheAligned([0_u32; 16]);
@@ -306,10 +320,9 @@ fearless_simd::kernel!(
         words: GatherTable<'_>,
         at: &[u32; 16],
     ) -> Option<[__m512i; 4]> {
-        let last = _mm512_set1_epi32(words.last.checked_sub(3)? as i32);
         // SAFETY: sixteen words are what the array holds.
         let index = unsafe { _mm512_loadu_si512(at.as_ptr().cast()) };
-        if _mm512_cmpgt_epu32_mask(index, last) != 0 {
+        if !within_avx512(token, index, words.last.checked_sub(3)?) {
             return None;
         }
         quads_avx512!(words, as_stored(at))
@@ -350,9 +363,7 @@ fearless_simd::kernel!(
         words: GatherTable<'_>,
         index: __m256i,
     ) -> Option<[__m256i; 4]> {
-        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
-        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
-        if _mm256_movemask_epi8(within) != -1 {
+        if !within_avx2(token, index, words.last.checked_sub(3)?) {
             return None;
         }
         quads_avx2!(words, &through_memory_avx2(token, index))
@@ -367,11 +378,9 @@ fearless_simd::kernel!(
         words: GatherTable<'_>,
         at: &[u32; 8],
     ) -> Option<[__m256i; 4]> {
-        let last = _mm256_set1_epi32(words.last.checked_sub(3)? as i32);
         // SAFETY: eight words are what the array holds.
         let index = unsafe { _mm256_loadu_si256(at.as_ptr().cast()) };
-        let within = _mm256_cmpeq_epi32(_mm256_min_epu32(index, last), index);
-        if _mm256_movemask_epi8(within) != -1 {
+        if !within_avx2(token, index, words.last.checked_sub(3)?) {
             return None;
         }
         quads_avx2!(words, as_stored(at))
