@@ -36,16 +36,18 @@ impl SpecularExponent {
         match self {
             Self::Real(ns) => deterministic_f32::pow_lanes(i, x, i.f32(ns)),
             Self::Whole(mut left) => {
-                let (mut power, mut square) = (i.f32(1.0), x);
+                // Clamped numbers have powers below the least one, and no subnormal number on the way: one comparison at the end is enough.
+                let scale = left.next_power_of_two().ilog2().min(8);
+                let (mut power, mut square) = (i.f32(1.0), x.above(i.f32(LOWEST[scale as usize])));
                 loop {
                     if left & 1 == 1 {
-                        power = flushed(i, power * square);
+                        power = power * square;
                     }
                     left >>= 1;
                     if left == 0 {
-                        return power;
+                        return flushed(i, power);
                     }
-                    square = flushed(i, square * square);
+                    square = square * square;
                 }
             }
         }
@@ -104,6 +106,19 @@ fn of_each<I: Isa>(i: I, x: I::F32, ns: I::F32) -> I::F32 {
 
 /// Least power. Lower ones are 0, as their products would be subnormal numbers, which take a hundred times as long.
 const LEAST: f32 = 2e-19;
+
+/// `2^(-124 / 2^k)`: its powers of exponents above `2^(k - 1)` and up to `2^k` lie between `2^-124` and [`LEAST`].
+const LOWEST: [f32; 9] = [
+    4.701_977_40e-38,
+    2.168_404_34e-19,
+    4.656_612_87e-10,
+    2.157_918_61e-5,
+    0.004_645_34,
+    0.068_156_73,
+    0.261_068_43,
+    0.510_948_60,
+    0.714_806_68,
+];
 
 #[inline(always)]
 fn flushed<I: Isa>(i: I, power: I::F32) -> I::F32 {
