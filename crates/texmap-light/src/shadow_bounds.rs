@@ -4,7 +4,8 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use texmap_math::lanes::GatherTable;
-use texmap_math::simd::{Isa, prelude::*};
+use texmap_math::simd::{Isa, Scalar, prelude::*};
+use texmap_math::{Level, dispatch_simd};
 
 /// log2 of a patch's side in texels.
 const SHIFT: u32 = 3;
@@ -65,6 +66,18 @@ impl StripBounds {
         first_row: usize,
         reached: FiniteColumns<'_>,
     ) -> Self {
+        dispatch_simd!(Level::new(), i => Self::of_rows(i, rows, size, taps, first_row, reached))
+    }
+
+    #[inline(always)]
+    fn of_rows<I: Isa>(
+        i: I,
+        rows: &[f32],
+        size: usize,
+        taps: u32,
+        first_row: usize,
+        reached: FiniteColumns<'_>,
+    ) -> Self {
         let radius = radius(taps);
         let (across, height) = (size.div_ceil(SIDE), rows.len() / size);
         let mut strip = Self {
@@ -77,7 +90,7 @@ impl StripBounds {
         let mut scan = Scan::new(size, radius, reached);
         for row in (0..height).step_by(SIDE) {
             let part = row.saturating_sub(radius)..(row + SIDE + radius).min(height);
-            scan.patches(rows, part, &mut strip.pairs);
+            scan.patches(i, rows, part, &mut strip.pairs);
             let whole = first_row + row;
             if whole < radius || whole + SIDE + radius > size {
                 let last = strip.pairs.len() - across;
@@ -88,8 +101,8 @@ impl StripBounds {
         }
         if radius > 0 {
             let [above, below] = &mut strip.ends;
-            scan.patches(rows, 0..radius.min(height), above);
-            scan.patches(rows, height.saturating_sub(radius)..height, below);
+            scan.patches(i, rows, 0..radius.min(height), above);
+            scan.patches(i, rows, height.saturating_sub(radius)..height, below);
         }
         strip
     }
@@ -117,23 +130,19 @@ impl<'a> Scan<'a> {
     }
 
     /// Bounds of the patches across the map over some rows.
-    fn patches(&mut self, rows: &[f32], part: Range<usize>, out: &mut Vec<[f32; 2]>) {
+    #[inline(always)]
+    fn patches<I: Isa>(&mut self, i: I, rows: &[f32], part: Range<usize>, out: &mut Vec<[f32; 2]>) {
         let size = self.size;
+        let rows = &rows[part.start * size..part.end * size];
         for x in (0..size).step_by(PART) {
             let columns = x..size.min(x + PART);
             // The other columns stay infinite.
             if self.reached.any(columns.clone()) {
-                let (mut least, mut most) = ([f32::INFINITY; PART], [f32::NEG_INFINITY; PART]);
-                for y in part.clone() {
-                    let row = &rows[y * size..][columns.clone()];
-                    for ((least, most), depth) in least.iter_mut().zip(&mut most).zip(row) {
-                        *least = lesser(*least, *depth);
-                        *most = larger(*most, *depth);
-                    }
+                if size < I::LANES {
+                    self.columns(Scalar, rows, columns);
+                } else {
+                    self.columns(i, rows, columns);
                 }
-                let count = columns.len();
-                self.low[columns.clone()].copy_from_slice(&least[..count]);
-                self.high[columns].copy_from_slice(&most[..count]);
             }
         }
         for x in (0..size).step_by(SIDE) {
@@ -147,6 +156,26 @@ impl<'a> Scan<'a> {
                 pair = [least, if open { f32::INFINITY } else { most }];
             }
             out.push(pair);
+        }
+    }
+}
+
+impl Scan<'_> {
+    /// Bounds of each of some columns over rows, of which there are as many as there are lanes at least.
+    #[inline(always)]
+    fn columns<I: Isa>(&mut self, i: I, rows: &[f32], columns: Range<usize>) {
+        for x in columns.step_by(I::LANES) {
+            // The last vector may overlap the one before.
+            let lanes = x.min(self.size - I::LANES);
+            let lanes = lanes..lanes + I::LANES;
+            let (mut least, mut most) = (i.f32(f32::INFINITY), i.f32(f32::NEG_INFINITY));
+            for row in rows.chunks_exact(self.size) {
+                let depth = i.load_f32(&row[lanes.clone()]);
+                least = depth.below(least);
+                most = depth.above(most);
+            }
+            least.store(&mut self.low[lanes.clone()]);
+            most.store(&mut self.high[lanes]);
         }
     }
 }
@@ -223,11 +252,8 @@ impl ShadowBounds {
         };
         let row = face * self.across + (y >> SHIFT);
         let patch = row * self.across + (x >> SHIFT);
-        let at = (patch << 1).to_u32();
-        [
-            i.gather(words, at).to_f32_bits(),
-            i.gather(words, at + 1).to_f32_bits(),
-        ]
+        let [least, most] = i.gather_pairs(words, (patch << 1).to_u32());
+        [least.to_f32_bits(), most.to_f32_bits()]
     }
 }
 

@@ -65,7 +65,7 @@ pub(crate) fn shadow_map_in(
     let target =
         TargetSize::new(size, size).map_err(|error| RenderError::of_raster(scene, error))?;
     let cuts = AlphaTests::new(scene)?;
-    let reach = bias.caster_reach(taps);
+    let (level, reach) = (Level::new(), bias.caster_reach(taps));
     let mut depths = Vec::new();
     let mut bounds = Vec::new();
     let (strips, good) = (Mutex::new(Vec::new()), AtomicBool::new(true));
@@ -101,7 +101,7 @@ pub(crate) fn shadow_map_in(
                 }
             })
             .collect();
-        let prepared = BinnedDraws::with_level(target, &draws, Level::new(), threads)
+        let prepared = BinnedDraws::with_level(target, &draws, level, threads)
             .map_err(|error| RenderError::of_raster(scene, error))?;
         let grazing = (reach > 0.0).then(|| {
             let clip_from_world = view.clip_from_world;
@@ -113,7 +113,7 @@ pub(crate) fn shadow_map_in(
             if let Some(grazing) = &grazing {
                 grazing.lower(&mut strip);
             }
-            let fine = view.measure(&mut strip, size, reach);
+            let fine = view.measure(level, &mut strip, size, reach);
             if !fine {
                 good.store(false, Ordering::Relaxed);
             }

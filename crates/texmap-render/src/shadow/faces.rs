@@ -2,6 +2,7 @@
 
 use texmap_light::{EnvironmentLayout, ShadowKind};
 use texmap_math::glam::{DMat4, DVec2, DVec3, DVec4};
+use texmap_math::{Level, dispatch_simd};
 use texmap_raster::{DepthStrip, TILE};
 
 use texmap_scene::Scene;
@@ -25,7 +26,19 @@ enum Metric {
 impl FaceView {
     /// Converts depths of a face's buffer to those of its map, each moved by `reach` texels of slope. True if all are numbers, and none
     /// is below 0 but under parallel light.
-    pub(super) fn measure(&self, strip: &mut DepthStrip<'_>, size: u32, reach: f64) -> bool {
+    pub(super) fn measure(
+        &self,
+        level: Level,
+        strip: &mut DepthStrip<'_>,
+        size: u32,
+        reach: f64,
+    ) -> bool {
+        // The same operations at every level: only the compiler's vectors differ.
+        dispatch_simd!(level, _i => self.measure_strip(strip, size, reach))
+    }
+
+    #[inline(always)]
+    fn measure_strip(&self, strip: &mut DepthStrip<'_>, size: u32, reach: f64) -> bool {
         match self.metric {
             Metric::Linear(near, far) => {
                 each_reached(strip, size, f32::NEG_INFINITY, |_, depth| {
