@@ -174,8 +174,8 @@ impl Textures {
             let size = image_io::stated_size(&self.source, path);
             size.map_or(0, |(width, height)| u64::from(width) * u64::from(height))
         });
-        // Decoded, with four channels, and with a mip chain.
-        let bytes = sizes.into_iter().sum::<u64>().saturating_mul(4 + 4 + 11);
+        // Decoded, and with a mip chain.
+        let bytes = sizes.into_iter().sum::<u64>().saturating_mul(4 + 11);
         let what = format_args!("{} images at once", new.len());
         if self.source.ask(bytes, what, "", None).is_err() {
             return;
@@ -307,13 +307,12 @@ impl Textures {
             return Ok((texture, size));
         }
         let image = image_io::read_named(&self.source, path, Some(location))?;
-        let bits = image.texels.bits();
+        let (size, bits) = (image.size(), image.bits());
         // Eight bytes a texel, sixteen of floats, and a third more for the mip chain.
-        let size = (image.width, image.height);
         let kept = if bits == 32 { 22 } else { 11 };
         image_io::ask_for_texels(&self.source, path, Some(location), size, kept)?;
-        let texture = image_io::texture(path, Some(location), &image, color)?;
-        Ok((texture, (image.width, image.height, bits)))
+        let texture = image.texture(path, Some(location), color, false)?;
+        Ok((texture, (size.0, size.1, bits)))
     }
 
     pub(crate) fn note(

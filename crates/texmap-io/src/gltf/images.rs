@@ -8,7 +8,7 @@ use texmap_sample::{ColorSpace, Texture2d};
 
 use super::model::Model;
 use super::uri;
-use crate::image_io::{self, Rgba};
+use crate::image_io::{self, Decoded};
 use crate::scene_file::Missing;
 use crate::textures::{Content, stand_in};
 use crate::{IoError, info::NamedFile};
@@ -76,21 +76,29 @@ pub(super) fn textures(
         sources.push((*image, source(model, *image, missing)?));
     }
     let shared = &*model;
-    let decoded = parallel::map(sources.iter(), |(image, bytes)| {
-        decode(shared, *image, bytes)
+    // The texels of a picture are gone as soon as its textures are made.
+    let read = parallel::map(sources.iter(), |(image, bytes)| {
+        let decoded = decode(shared, *image, bytes);
+        let uses = uses.list.iter().enumerate();
+        let uses = uses.filter(|(_, (of, _))| of == image);
+        let made = uses.map(|(at, (_, used))| {
+            let made = match &decoded {
+                Ok(Some(picture)) => texture(shared, *image, picture, *used, raw),
+                _ => Ok(stand_in(missing, used.content()).with_mips()),
+            };
+            (at, made)
+        });
+        let made: Vec<_> = made.collect();
+        let found = decoded.map(|picture| picture.map(|picture| (picture.size(), picture.bits())));
+        (found, made)
     });
-    let mut pictures = Vec::new();
-    for ((image, bytes), decoded) in sources.iter().zip(decoded) {
-        pictures.push(keep(model, *image, bytes, decoded)?);
+    let mut all = Vec::new();
+    for ((image, bytes), (found, made)) in sources.iter().zip(read) {
+        note(model, *image, bytes, found)?;
+        all.extend(made);
     }
-    let made = parallel::map(uses.list.iter(), |(image, used)| {
-        let at = wanted.partition_point(|w| w < image);
-        match &pictures[at] {
-            Some(picture) => texture(model, *image, picture, *used, raw),
-            None => Ok(stand_in(missing, used.content()).with_mips()),
-        }
-    });
-    made.into_iter().collect()
+    all.sort_by_key(|(at, _)| *at);
+    all.into_iter().map(|(_, made)| made).collect()
 }
 
 /// The name of a picture in messages.
@@ -126,7 +134,7 @@ fn source(model: &mut Model<'_>, image: usize, missing: Missing) -> Result<Bytes
     }
 }
 
-fn decode(model: &Model<'_>, image: usize, bytes: &Bytes) -> Result<Option<Rgba>, IoError> {
+fn decode(model: &Model<'_>, image: usize, bytes: &Bytes) -> Result<Option<Decoded>, IoError> {
     let pointer = format!("/images/{image}");
     let bytes = match bytes {
         Bytes::Own(bytes) => bytes.as_slice(),
@@ -145,16 +153,16 @@ fn decode(model: &Model<'_>, image: usize, bytes: &Bytes) -> Result<Option<Rgba>
         .map_err(|error| model.within(&pointer, error))
 }
 
-/// Notes the result of reading a picture; `None` where a checker replaces it.
-fn keep(
+/// Notes the result of reading a picture: its size and bits, or `None` where a checker replaces it.
+fn note(
     model: &mut Model<'_>,
     image: usize,
     bytes: &Bytes,
-    decoded: Result<Option<Rgba>, IoError>,
-) -> Result<Option<Rgba>, IoError> {
+    found: Result<Option<((u32, u32), u32)>, IoError>,
+) -> Result<(), IoError> {
     let path = called(model, image);
-    let (picture, problem) = match decoded {
-        Ok(Some(picture)) => (Some(picture), None),
+    let (found, problem) = match found {
+        Ok(Some(found)) => (Some(found), None),
         Ok(None) => match bytes {
             Bytes::Lost(problem) => (None, Some(problem.clone())),
             _ => (None, Some("its buffer cannot be read".to_owned())),
@@ -167,28 +175,21 @@ fn keep(
     if let Some(problem) = &problem {
         model.warn(format!("{problem}: a magenta and black checker stands in"));
     }
-    let (size, bits) = match &picture {
-        Some(picture) => (
-            Some([picture.width, picture.height]),
-            Some(picture.texels.bits()),
-        ),
-        None => (None, None),
-    };
     let file = NamedFile {
         path,
         named_by: model.place(&format!("/images/{image}")),
-        size,
-        bits,
+        size: found.map(|(size, _)| size.into()),
+        bits: found.map(|(_, bits)| bits),
         problem,
     };
     model.note_file(file);
-    Ok(picture)
+    Ok(())
 }
 
 fn texture(
     model: &Model<'_>,
     image: usize,
-    picture: &Rgba,
+    picture: &Decoded,
     used: Use,
     raw: bool,
 ) -> Result<Texture2d<'static>, IoError> {
@@ -198,14 +199,11 @@ fn texture(
         _ => ColorSpace::Linear,
     };
     // As for the maps of other models: texels and a third more for the levels.
-    let kept = if picture.texels.bits() == 32 { 22 } else { 11 };
-    let size = (picture.width, picture.height);
+    let kept = if picture.bits() == 32 { 22 } else { 11 };
+    let size = picture.size();
     let within = |error| model.within(&format!("/images/{image}"), error);
     image_io::ask_for_texels(&model.files, &path, None, size, kept).map_err(within)?;
     let opaque = matches!(used, Use::OpaqueColor | Use::OpaqueData);
-    let made = match opaque && picture.channels.is_multiple_of(2) {
-        true => image_io::texture(&path, None, &picture.without_alpha(), color),
-        false => image_io::texture(&path, None, picture, color),
-    };
+    let made = picture.texture(&path, None, color, opaque);
     made.map(Texture2d::with_mips).map_err(within)
 }

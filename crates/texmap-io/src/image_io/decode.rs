@@ -111,14 +111,12 @@ pub(super) fn decode_bytes(
     if let Some(problem) = exr_header::fault(bytes) {
         return Err(broken(problem));
     }
-    // As it is decoded, turned where it has to be, then with four channels of the same depth.
-    let color = decoder.color_type();
+    // As it is decoded, and turned where it has to be.
     let kept = match orientation {
         Orientation::NoTransforms => 1,
         _ => 2,
     };
-    let depth = color.bytes_per_pixel() / color.channel_count();
-    let texel = kept * color.bytes_per_pixel() + 4 * depth;
+    let texel = kept * decoder.color_type().bytes_per_pixel();
     ask_for_texels(files, path, named_by, turned, u64::from(texel))?;
     let mut image = DynamicImage::from_decoder(decoder).map_err(|e| broken(e.to_string()))?;
     image.apply_orientation(orientation);

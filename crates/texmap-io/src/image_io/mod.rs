@@ -1,6 +1,7 @@
 //! Images in (PNG, JPEG, WebP, GIF, BMP, TGA, TIFF, QOI, Radiance HDR, OpenEXR) and out (PNG; [`PictureFormat`](crate::PictureFormat) has the others).
 
 mod decode;
+mod decoded;
 mod rgba;
 mod source;
 
@@ -20,6 +21,7 @@ use crate::gpu_image;
 use crate::{IoError, SourceLocation, atomic};
 
 pub(crate) use decode::{ask_for_texels, decode, stated_size};
+pub(crate) use decoded::Decoded;
 pub use rgba::{Depth, Rgba};
 pub(crate) use source::ImageSource;
 
@@ -61,7 +63,20 @@ pub const ENDINGS: &[&str] = &[
 /// # Errors
 /// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`], [`IoError::Memory`].
 pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
-    read_named(&FileSource::anywhere(), path, None)
+    let files = FileSource::anywhere();
+    let image = decode(&files, path, None, |size| size_allowed(path, None, size))?;
+    with_four_channels(&files, path, image)
+}
+
+fn with_four_channels(
+    files: &FileSource,
+    path: &Path,
+    image: DynamicImage,
+) -> Result<Rgba, IoError> {
+    let (size, color) = ((image.width(), image.height()), image.color());
+    let bytes = 4 * color.bytes_per_pixel() / color.channel_count();
+    ask_for_texels(files, path, None, size, bytes.into())?;
+    Ok(Rgba::of(image))
 }
 
 /// Decodes an image file to a texture of one level, top-left origin, and gives its bits a channel. The colours of whole numbers
@@ -88,7 +103,7 @@ pub fn read_texture(path: &Path, color: ColorSpace) -> Result<(Texture2d<'static
         DynamicImage::ImageRgb8(t) => kept(3, t.into_raw()),
         DynamicImage::ImageRgba8(t) => kept(4, t.into_raw()),
         other => {
-            let image = Rgba::of(other);
+            let image = with_four_channels(&files, path, other)?;
             let bits = image.texels.bits();
             let (texels, alpha) = image.into_floats(color);
             return linear((width, height), &texels, alpha)
@@ -129,11 +144,12 @@ fn linear(
     alpha: Alpha,
 ) -> Result<Texture2d<'static>, SampleError> {
     let texels = TexelData::F32(texels);
-    upload((width, height), texels, ColorSpace::Linear, alpha)
+    upload((width, height), 4, texels, ColorSpace::Linear, alpha)
 }
 
 fn upload(
     (width, height): (u32, u32),
+    channels: usize,
     texels: TexelData<'_>,
     color: ColorSpace,
     alpha: Alpha,
@@ -141,7 +157,7 @@ fn upload(
     Texture2d::new(&Image {
         width,
         height,
-        channels: 4,
+        channels: channels as u32,
         texels,
         color,
         alpha,
@@ -161,35 +177,23 @@ pub(crate) fn read_named(
     files: &FileSource,
     path: &Path,
     named_by: Option<&SourceLocation>,
-) -> Result<Rgba, IoError> {
+) -> Result<Decoded, IoError> {
     decode(files, path, named_by, |size| {
         size_allowed(path, named_by, size)
     })
-    .map(Rgba::of)
+    .map(Decoded::new)
 }
 
 /// Decodes the bytes of an image that messages call `path`.
-pub(crate) fn read_bytes(files: &FileSource, path: &Path, bytes: &[u8]) -> Result<Rgba, IoError> {
+pub(crate) fn read_bytes(
+    files: &FileSource,
+    path: &Path,
+    bytes: &[u8],
+) -> Result<Decoded, IoError> {
     decode_bytes(files, path, None, bytes, |size| {
         size_allowed(path, None, size)
     })
-    .map(Rgba::of)
-}
-
-/// The texture of a decoded image: floats are linear light.
-pub(crate) fn texture(
-    path: &Path,
-    named_by: Option<&SourceLocation>,
-    image: &Rgba,
-    color: ColorSpace,
-) -> Result<Texture2d<'static>, IoError> {
-    let size = (image.width, image.height);
-    let texture = match &image.texels {
-        Depth::U8(t) => upload(size, TexelData::U8(t), color, Alpha::Straight),
-        Depth::U16(t) => upload(size, TexelData::U16(t), color, Alpha::Straight),
-        Depth::F32(t) => linear(size, t, Alpha::Premultiplied),
-    };
-    texture.map_err(|e| unfit(path, named_by, &e))
+    .map(Decoded::new)
 }
 
 /// Writes RGBA bytes (straight alpha, rows from top to bottom) as PNG, whole or not at all.
@@ -279,7 +283,8 @@ mod tests {
             let (texture, bits) = read_texture(&path, color).unwrap();
             assert_eq!(bits, 32);
             assert_eq!(texture.texel(0, 0, 0).unwrap()[..], texels[..4]);
-            let named = super::texture(&path, None, &image, color).unwrap();
+            let named = read_named(&FileSource::anywhere(), &path, None).unwrap();
+            let named = named.texture(&path, None, color, false).unwrap();
             assert_eq!(named.texel(0, 1, 0).unwrap()[..], texels[4..]);
         }
         let path = dir.path().join("nan.exr");

@@ -71,29 +71,6 @@ fn floats<T: Copy>(texels: &[T], value: impl Fn(T, bool) -> f32) -> Vec<f32> {
 }
 
 impl Rgba {
-    /// The same colours, opaque.
-    pub(crate) fn without_alpha(&self) -> Self {
-        fn opaque<T: Copy>(texels: &[T], most: T) -> Vec<T> {
-            let mut texels = texels.to_vec();
-            texels
-                .iter_mut()
-                .skip(3)
-                .step_by(4)
-                .for_each(|alpha| *alpha = most);
-            texels
-        }
-        Self {
-            width: self.width,
-            height: self.height,
-            channels: 3,
-            texels: match &self.texels {
-                Depth::U8(texels) => Depth::U8(opaque(texels, u8::MAX)),
-                Depth::U16(texels) => Depth::U16(opaque(texels, u16::MAX)),
-                Depth::F32(texels) => Depth::F32(opaque(texels, 1.0)),
-            },
-        }
-    }
-
     pub(super) fn of(decoded: DynamicImage) -> Self {
         let (width, height) = (decoded.width(), decoded.height());
         let color = decoded.color();
