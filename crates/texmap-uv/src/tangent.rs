@@ -58,7 +58,7 @@ pub fn tangents(
         let corners = found[chunk.clone()].iter().zip(&clean[chunk]);
         corners
             .map(|(t, n)| {
-                t.and_then(|t| square(t, *n))
+                t.and_then(|(t, upright)| square(t.to_array(), *n, upright))
                     .unwrap_or_else(|| fallback(*n))
             })
             .collect()
@@ -76,37 +76,38 @@ fn clean_normals(mesh: &Mesh<'_>, normals: &[[f32; 3]]) -> Vec<[f32; 3]> {
 fn clean_normals_of(mesh: &Mesh<'_>, normals: &[[f32; 3]], chunk: Range<usize>) -> Vec<[f32; 3]> {
     let mut clean = Vec::new();
     for face in chunk {
-        let own = unit_or_zero(mesh.face_normal(face));
+        let own = || unit_or_zero(mesh.face_normal(face));
         for k in mesh.faces().range(face) {
             let given = DVec3::from(normals[k].map(f64::from));
-            let n = unit_or_zero(given);
             clean.push(if (given.dot(given) - 1.0).abs() < 1.0 / 128.0 {
                 normals[k]
             } else {
                 let or = |a: DVec3, b: DVec3| if a == DVec3::ZERO { b } else { a };
-                or(or(n, own), DVec3::Y).to_array().map(|c| c as f32)
+                let n = or(or(unit_or_zero(given), own()), DVec3::Y);
+                n.to_array().map(|c| c as f32)
             });
         }
     }
     clean
 }
 
-/// A tangent of unit length and square to the normal, if it is finite and not along the normal.
-fn square(t: [f32; 4], n: [f32; 3]) -> Option<[f32; 4]> {
-    let v = DVec3::new(t[0].into(), t[1].into(), t[2].into());
+/// A tangent of unit length and square to the normal with its sign, if it is finite and not along the normal.
+fn square(t: [f32; 3], n: [f32; 3], upright: bool) -> Option<[f32; 4]> {
+    let v = DVec3::from(t.map(f64::from));
     let n = unit_or_zero(DVec3::from(n.map(f64::from)));
     let v = unit_or_zero(v - n * n.dot(v));
     let [x, y, z] = v.to_array().map(|c| c as f32);
-    (v != DVec3::ZERO).then_some([x, y, z, if t[3] < 0.0 { -1.0 } else { 1.0 }])
+    (v != DVec3::ZERO).then_some([x, y, z, if upright { 1.0 } else { -1.0 }])
 }
 
 /// The rule's own default, x and the sign -1, made square to the normal; y where the normal lies along x.
 fn fallback(n: [f32; 3]) -> [f32; 4] {
     let along_x = n[1] * n[1] + n[2] * n[2] < 1e-6;
     let axis = if along_x {
-        [0.0, 1.0, 0.0, -1.0]
+        [0.0, 1.0, 0.0]
     } else {
-        [1.0, 0.0, 0.0, -1.0]
+        [1.0, 0.0, 0.0]
     };
-    square(axis, n).unwrap_or(axis)
+    let [x, y, z] = axis;
+    square(axis, n, false).unwrap_or([x, y, z, -1.0])
 }

@@ -108,7 +108,6 @@ fn by_key(items: core::ops::Range<u32>, count: usize, key: impl Fn(u32) -> u32) 
 /// Triangles around one vertex that are joined by edges and mapped with one orientation.
 pub(super) struct Group {
     pub(super) vertex: u32,
-    pub(super) upright: bool,
     /// Place of its first triangle in [`Groups::faces`]; its last one lies before the first of the next group.
     first: u32,
 }
@@ -119,6 +118,8 @@ pub(super) struct Groups {
     pub(super) all: Vec<Group>,
     /// The triangles of each group, in the order in which they were met.
     faces: Vec<u32>,
+    /// The place in `faces` of each corner of the triangles; [`NONE`] for corners that belong to no group.
+    pub(super) places: Vec<[u32; 3]>,
 }
 
 impl Groups {
@@ -126,6 +127,12 @@ impl Groups {
         let next = self.all.get(group + 1);
         let end = next.map_or(self.faces.len(), |next| next.first as usize);
         &self.faces[self.all[group].first as usize..end]
+    }
+
+    /// Adds a corner of a triangle to the last group.
+    fn add(&mut self, triangle: usize, corner: usize) {
+        self.places[triangle][corner] = self.faces.len() as u32;
+        self.faces.push(triangle as u32);
     }
 }
 
@@ -135,19 +142,22 @@ pub(super) fn groups(
     vertices: &[[u32; 3]],
     across: &[[u32; 3]],
 ) -> Groups {
-    let mut of = vec![[NONE; 3]; triangles.len()];
-    let mut groups = Groups::default();
+    let mut groups = Groups {
+        places: vec![[NONE; 3]; triangles.len()],
+        ..Groups::default()
+    };
     let mut open = Vec::new();
     for f in 0..triangles.len() {
         for i in 0..3 {
-            if triangles[f].vague || of[f][i] != NONE {
+            if triangles[f].vague || groups.places[f][i] != NONE {
                 continue;
             }
-            let id = groups.all.len() as u32;
-            let first = groups.faces.len() as u32;
             let (vertex, upright) = (vertices[f][i], triangles[f].upright);
-            groups.faces.push(f as u32);
-            of[f][i] = id;
+            groups.all.push(Group {
+                vertex,
+                first: groups.faces.len() as u32,
+            });
+            groups.add(f, i);
             // The edge before the corner is visited first, then the one after it.
             let around = |f: usize, i: usize| [across[f][i], across[f][(i + 2) % 3]];
             open.extend(around(f, i));
@@ -159,24 +169,18 @@ pub(super) fn groups(
                 else {
                     continue;
                 };
-                if of[g][j] != NONE {
+                if groups.places[g][j] != NONE {
                     continue;
                 }
-                if triangles[g].vague && of[g] == [NONE; 3] {
+                if triangles[g].vague && groups.places[g] == [NONE; 3] {
                     triangles[g].upright = upright;
                 }
                 if triangles[g].upright != upright {
                     continue;
                 }
-                of[g][j] = id;
-                groups.faces.push(g as u32);
+                groups.add(g, j);
                 open.extend(around(g, j));
             }
-            groups.all.push(Group {
-                vertex,
-                upright,
-                first,
-            });
         }
     }
     groups

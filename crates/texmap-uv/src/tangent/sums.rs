@@ -5,15 +5,18 @@ use alloc::vec::Vec;
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{Vec2, Vec3};
 
-use super::groups::{NONE, groups, neighbours, weld};
+use super::groups::{Groups, NONE, groups, neighbours, weld};
 use super::triangles::{Input, Space, Triangle, triangles, unit};
-use crate::parallel::map_chunks;
+use crate::parallel::collect_chunks;
 
 /// Around a vertex of more triangles than this, tangents that are exactly opposite are not kept apart.
 const APART: usize = 64;
 
-/// The tangent of each corner and the bitangent's sign; `None` where no triangle says anything. O(n log n).
-pub(super) fn corner_tangents(input: &Input<'_>) -> Vec<Option<[f32; 4]>> {
+/// A unit tangent, and true where the picture is not mirrored; `None` where no triangle says anything.
+pub(super) type Tangent = Option<(Vec3, bool)>;
+
+/// The tangent of each corner. O(n log n).
+pub(super) fn corner_tangents(input: &Input<'_>) -> Vec<Tangent> {
     let (mut triangles, slots) = triangles(input);
     // Triangles with area first, each kind in its order.
     triangles.sort_by_key(|t| t.degenerate);
@@ -22,14 +25,13 @@ pub(super) fn corner_tangents(input: &Input<'_>) -> Vec<Option<[f32; 4]>> {
     let (good, degenerate) = triangles.split_at_mut(solid);
     let across = neighbours(&vertices[..solid]);
     let groups = groups(good, &vertices[..solid], &across);
-    let mut spaces: Vec<Option<(Space, bool)>> = vec![None; slots.len()];
-    // The sums are apart from each other; the triangles take them in the order of the groups.
+    // The sums are apart from each other.
     let reader = GroupReader {
         input,
         triangles: good,
         vertices: &vertices,
     };
-    let found = map_chunks(groups.all.len(), |chunk| {
+    let sums = collect_chunks(groups.all.len(), |chunk| {
         let (mut terms, mut out) = (Vec::new(), Vec::new());
         for group in chunk {
             let vertex = groups.all[group].vertex;
@@ -37,38 +39,52 @@ pub(super) fn corner_tangents(input: &Input<'_>) -> Vec<Option<[f32; 4]>> {
         }
         out
     });
-    let mut found = found.into_iter().flatten();
-    for (k, group) in groups.all.iter().enumerate() {
-        for (&f, space) in groups.faces(k).iter().zip(&mut found) {
-            let Some(k) = vertices[f as usize].iter().position(|v| *v == group.vertex) else {
-                continue;
-            };
-            let slot = &mut spaces[good[f as usize].slots[k] as usize];
-            // Both halves of a quad.
-            let space = slot.map_or(space, |(first, _)| mean(first, space));
-            *slot = Some((space, group.upright));
-        }
-    }
-    inherit(good, degenerate, &vertices, &mut spaces);
+    let mut tangents = of_slots(slots.len(), good, &groups, &sums);
+    inherit(good, degenerate, &vertices, &mut tangents);
     for t in good.iter().filter(|t| t.half_degenerate) {
         let Some([slot, corner]) = t.missing else {
             continue;
         };
         let twin = (0..3).find(|&k| input.position(t.corners[k]) == input.position(corner));
         if let Some(k) = twin {
-            spaces[slot as usize] = spaces[t.slots[k] as usize];
+            tangents[slot as usize] = tangents[t.slots[k] as usize];
         }
     }
-    let mut out = vec![None; input.mesh.faces().corners().len()];
-    for (&corner, space) in slots.iter().zip(spaces) {
+    let corners = input.mesh.faces().corners().len();
+    if slots.len() == corners {
+        return tangents;
+    }
+    let mut out = vec![None; corners];
+    for (&corner, tangent) in slots.iter().zip(tangents) {
         // A corner of several triangles of a fan keeps the first.
         let place = &mut out[corner as usize];
-        *place = place.or(space.map(|(space, upright)| {
-            let [x, y, z] = space.s.to_array();
-            [x, y, z, if upright { 1.0 } else { -1.0 }]
-        }));
+        *place = place.or(tangent);
     }
     out
+}
+
+/// The tangent of each slot by the sums of the triangles that have it: one, or both halves of a quad.
+fn of_slots(count: usize, triangles: &[Triangle], groups: &Groups, sums: &[Space]) -> Vec<Tangent> {
+    let mut owners = vec![[NONE; 2]; count];
+    for (f, t) in triangles.iter().enumerate() {
+        for (k, slot) in t.slots.into_iter().enumerate() {
+            let [first, second] = &mut owners[slot as usize];
+            let owner = if *first == NONE { first } else { second };
+            *owner = (3 * f + k) as u32;
+        }
+    }
+    let sum = |owner: u32| {
+        let (f, k) = (owner as usize / 3, owner as usize % 3);
+        let place = *groups.places.get(f)?.get(k)?;
+        let sum = sums.get(place as usize)?;
+        Some((place, *sum, triangles[f].upright))
+    };
+    let tangent = |owners: &[u32; 2]| match owners.map(sum) {
+        // The later group decides.
+        [Some(a), Some(b)] => Some((mean(a.1, b.1).s, if a.0 > b.0 { a.2 } else { b.2 })),
+        [a, b] => a.or(b).map(|(_, sum, upright)| (sum.s, upright)),
+    };
+    collect_chunks(count, |chunk| owners[chunk].iter().map(tangent).collect())
 }
 
 /// Triangles without area take what the first triangle with area has at the same vertex.
@@ -76,9 +92,10 @@ fn inherit(
     good: &[Triangle],
     degenerate: &[Triangle],
     vertices: &[[u32; 3]],
-    spaces: &mut [Option<(Space, bool)>],
+    tangents: &mut [Tangent],
 ) {
-    let Some(count) = vertices.iter().flatten().max().map(|v| *v as usize + 1) else {
+    let count = vertices.iter().flatten().max().map(|v| *v as usize + 1);
+    let Some(count) = count.filter(|_| !degenerate.is_empty()) else {
         return;
     };
     let mut first = vec![NONE; count];
@@ -93,7 +110,7 @@ fn inherit(
         for k in (0..3).filter(|_| !t.half_degenerate) {
             let from = first[v[k] as usize];
             if from != NONE {
-                spaces[t.slots[k] as usize] = spaces[from as usize];
+                tangents[t.slots[k] as usize] = tangents[from as usize];
             }
         }
     }

@@ -6,6 +6,7 @@ use texmap_math::float;
 use texmap_math::glam::{Vec2, Vec3};
 
 use crate::mesh::Mesh;
+use crate::parallel::collect_chunks;
 use crate::uv_set::UvSet;
 
 /// Mesh, texture coordinates and normals that the rule reads; normals are of unit length.
@@ -70,27 +71,39 @@ pub(super) struct Triangle {
 /// All triangles, and the corner of each slot: quads are divided along the diagonal that is shorter in the picture (in space if
 /// they are equal), larger faces are fans.
 pub(super) fn triangles(input: &Input<'_>) -> (Vec<Triangle>, Vec<u32>) {
-    let (mut triangles, mut slots) = (Vec::new(), Vec::new());
-    let mut piece = 0;
     let faces = input.mesh.faces();
+    let (mut slots, mut pieces) = (Vec::with_capacity(faces.corners().len()), 0);
+    // The first slot and the first piece of each face.
+    let mut starts = Vec::with_capacity(faces.len());
     for face in 0..faces.len() {
-        let r = faces.range(face);
-        let first = r.start as u32;
-        if r.len() == 4 {
-            let base = slots.len() as u32;
-            slots.extend(first..first + 4);
-            triangles.extend(quad(input, first, base, piece));
-            piece += 1;
-            continue;
-        }
-        for k in first + 1..r.end as u32 - 1 {
-            let base = slots.len() as u32;
-            slots.extend([first, k, k + 1]);
-            let places = [base, base + 1, base + 2];
-            triangles.push(triangle(input, [first, k, k + 1], places, piece));
-            piece += 1;
+        let (first, last) = (faces.range(face).start as u32, faces.range(face).end as u32);
+        starts.push([slots.len() as u32, pieces]);
+        if last - first == 4 {
+            slots.extend(first..last);
+            pieces += 1;
+        } else {
+            let fan = first + 1..last - 1;
+            pieces += fan.len() as u32;
+            slots.extend(fan.flat_map(|k| [first, k, k + 1]));
         }
     }
+    let triangles = collect_chunks(faces.len(), |chunk| {
+        let mut triangles = Vec::with_capacity(2 * chunk.len());
+        for face in chunk {
+            let (corners, [mut base, mut piece]) = (faces.range(face), starts[face]);
+            let first = corners.start as u32;
+            if corners.len() == 4 {
+                triangles.extend(quad(input, first, base, piece));
+                continue;
+            }
+            for k in first + 1..corners.end as u32 - 1 {
+                let places = [base, base + 1, base + 2];
+                triangles.push(triangle(input, [first, k, k + 1], places, piece));
+                (base, piece) = (base + 3, piece + 1);
+            }
+        }
+        triangles
+    });
     (triangles, slots)
 }
 
