@@ -23,6 +23,7 @@ mod digits;
 mod failure;
 mod formats;
 mod interrupt;
+mod levels;
 mod memory;
 mod observe;
 mod os_name;

@@ -250,8 +250,18 @@ impl<'a> Texture2d<'a> {
     #[must_use]
     pub fn bytes_to_prepare(&self, filter: Filter) -> u64 {
         let (width, height) = (u64::from(self.width()), u64::from(self.height()));
-        // Up to four floats a texel, and a third more for the levels; four f64 a sum.
-        let mips = width * height * 16 / 3 * 4;
+        let mut texels = 0;
+        let mut level = [width, height];
+        while level != [1, 1] {
+            level = level.map(|side| (side / 2).max(1));
+            texels += level[0] * level[1];
+        }
+        // Words may grow into new memory; encoded texels stay where they are.
+        if self.chain.encoded.is_none() {
+            texels += width * height;
+        }
+        let mips = texels * self.chain.format.words() as u64 * 4;
+        // Four f64.
         let sums = (width + 1) * (height + 1) * 32;
         u64::from(filter.reads_mips() && self.levels() == 1) * mips
             + u64::from(filter.reads_summed_area() && !self.has_summed_area()) * sums

@@ -126,6 +126,7 @@ fn files_are_small_and_what_they_hold_is_large() {
         "textured.scene",
         format!("{TRIANGLE}texture big.png\ntf 0 0 0 2 1 1 1 1 0\n"),
     );
+    desk.put("plain.scene", format!("{TRIANGLE}f 0 2 1\n"));
     desk.put(
         "words.scene",
         format!(
@@ -139,10 +140,15 @@ fn files_are_small_and_what_they_hold_is_large() {
             "textured.scene:6:1: no memory for ",
         ),
         ("render words.scene -o o.png", "a text of 3000000 letters"),
-        ("info big.png", "the 7000 x 7000 texels of big.png"),
         ("hash big.png", "the 7000 x 7000 texels of big.png"),
         ("diff big.png big.png", "the 7000 x 7000 texels of big.png"),
-        ("mip big.png -o m%d.png", "big.png"),
+        ("mip big.png -o m%d.png", "the mip levels of big.png"),
+        ("mip big.png -o m%d.png --keep-coverage 0.5", "of big.png"),
+        ("compress big.png -o b.dds", "the mip levels of big.png"),
+        (
+            "render plain.scene -o o.png --texture big.png",
+            "the mip levels of big.png",
+        ),
         ("warp big.png -o w.png", "big.png"),
         ("sample check.png --uv uv.npy -o s.npy", "9000000"),
         (
@@ -160,6 +166,8 @@ fn files_are_small_and_what_they_hold_is_large() {
     ] {
         desk.over_memory(300, arguments, word);
     }
+    // It needs no more than what the decoder makes.
+    desk.over_memory(100, "info big.png", "the 7000 x 7000 texels of big.png");
 }
 
 /// The program ends by itself whatever the limit, also if only a little memory is missing.

@@ -10,6 +10,7 @@ use texmap_scene::ColorMode;
 
 use crate::cmd::written::one_stdout;
 use crate::failure::{self, Exit, Failure, say};
+use crate::levels::ask_for_levels;
 use crate::output::{Destination, Stage, distinct};
 use crate::{formats, values};
 
@@ -93,6 +94,9 @@ pub(crate) fn run(args: &CompressArgs) -> Result<Exit, Failure> {
         (_, ColorMode::Srgb) => ColorSpace::Srgb,
     };
     let (base, _) = image_io::read_texture(&args.image, color)?;
+    if !args.no_mips {
+        ask_for_levels(&base, &args.image)?;
+    }
     let texture = match (args.no_mips, args.format) {
         (true, _) => base.clone(),
         // Means of normals are shorter than one.

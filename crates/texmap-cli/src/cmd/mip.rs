@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use texmap_io::{Lost, image_io, write_pixels};
+use texmap_math::MemoryBudget;
 use texmap_sample::{ColorSpace, Texture2d};
 use texmap_scene::ColorMode;
 
@@ -11,6 +12,7 @@ use crate::cmd::render::plan::numbered;
 use crate::cmd::written::Written;
 use crate::failure::{Exit, Failure};
 use crate::formats;
+use crate::levels::ask_for_levels;
 use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
@@ -65,6 +67,15 @@ pub(crate) fn run(args: &MipArgs) -> Result<Exit, Failure> {
         .collect::<Result<_, _>>()?;
     distinct(&names, [&args.image])?;
     let (texture, bits) = image_io::read_texture(&args.image, space)?;
+    ask_for_levels(&texture, &args.image)?;
+    if args.keep_coverage.is_some() {
+        // Coverage is measured on decoded texels, and level by level in floats.
+        MemoryBudget::of_process().ask(
+            12 * u64::from(texture.width()) * u64::from(texture.height()),
+            format_args!("the coverage of {}", args.image.display()),
+            "take a smaller image",
+        )?;
+    }
     let texture = match args.keep_coverage {
         Some(threshold) => texture.with_coverage_mips(threshold),
         None => texture.with_mips(),

@@ -13,6 +13,7 @@ use texmap_scene::ColorMode;
 use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure};
 use crate::formats;
+use crate::levels::ask_for_levels;
 use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
@@ -81,12 +82,14 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
         ));
     }
     let (texture, channels) = read(args)?;
+    ask_for_levels(&texture, &args.image)?;
+    let texture = texture.with_mips();
     MemoryBudget::of_process().ask(
         texture.bytes_to_prepare(args.filter),
-        format_args!("what the filter reads of the image"),
+        format_args!("what the filter reads of {}", args.image.display()),
         "take a smaller image, or a filter that reads one level",
     )?;
-    let texture = texture.with_mips().prepared_for(args.filter);
+    let texture = texture.prepared_for(args.filter);
     let sampler = Sampler {
         filter: args.filter,
         wrap_u: args.wrap,

@@ -160,7 +160,7 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
     }
     MemoryBudget::of_process().ask(
         texture.bytes_to_prepare(args.filter),
-        format_args!("what the filter reads of the image"),
+        format_args!("what the filter reads of {}", args.image.display()),
         "take a smaller image, or a filter that reads one level",
     )?;
     let texture = texture.prepared_for(args.filter);

@@ -15,6 +15,7 @@ use texmap_scene::{
 use texmap_uv::Projection;
 
 use crate::failure::Failure;
+use crate::levels::ask_for_levels;
 
 /// Textures and materials of one's own.
 #[derive(Args, Debug)]
@@ -54,6 +55,7 @@ impl LookArgs {
                 ColorMode::Raw => ColorSpace::Linear,
             };
             let (texture, _) = image_io::read_texture(path, space)?;
+            ask_for_levels(&texture, path)?;
             cover(scene, texture.with_mips());
         }
         match self.material {
