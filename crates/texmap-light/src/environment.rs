@@ -55,7 +55,7 @@ impl Environment {
             light(chart.direction(face, centre / places.sides()))
         });
         let texels = texels.collect();
-        Ok(Self::of(chart, places.size, texels))
+        Ok(Self::with_borders(chart, places.size, texels))
     }
 
     /// An environment whose texels, borders too, are made by `light`. Its arguments are a face, a texel's centre and the face's sides,
@@ -111,7 +111,7 @@ impl Environment {
         texels.truncate(count);
         match steps.is_cancelled() {
             true => Err(LightError::Cancelled),
-            false => Ok(Self::of(chart, places.size, texels)),
+            false => Ok(Self::with_borders(chart, places.size, texels)),
         }
     }
 
@@ -140,14 +140,19 @@ impl Environment {
             chart.faces() * width as usize * height as usize,
         )?;
         check(texels)?;
-        Ok(Self::of(
+        Ok(Self::with_borders(
             chart,
             (width, height),
             bordered(chart, (width, height), texels),
         ))
     }
 
-    fn of(chart: EnvironmentLayout, (width, height): (u32, u32), texels: Vec<[f32; 3]>) -> Self {
+    /// Of the texels of all faces, each face with its borders.
+    pub(crate) fn with_borders(
+        chart: EnvironmentLayout,
+        (width, height): (u32, u32),
+        texels: Vec<[f32; 3]>,
+    ) -> Self {
         let start = 0;
         let levels = alloc::vec![Level {
             width,

@@ -7,7 +7,7 @@ use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::lanes::LANES;
 use texmap_math::progress::no_progress;
 use texmap_math::simd::{Isa, prelude::*};
-use texmap_math::{Level, deterministic_f32, deterministic_f64, dispatch_simd};
+use texmap_math::{Level, deterministic_f64, dispatch_simd};
 
 use crate::environment::Environment;
 use crate::error::LightError;
@@ -22,7 +22,8 @@ pub(super) enum Kernel {
     Ggx(f32),
     /// `max(0, c)`.
     Cosine,
-    /// `exp(-(angle / sigma)^2 / 2)` for small angles, by `1 / sigma^2`.
+    /// `exp(-(angle / sigma)^2 / 2)` for small angles, by `1 / sigma^2`: the blur of the studio, whose room is made by the tests.
+    #[cfg(test)]
     Gaussian(f32),
 }
 
@@ -31,13 +32,9 @@ impl Kernel {
         Self::Ggx(alpha * alpha)
     }
 
+    #[cfg(test)]
     pub(super) fn gaussian(sigma: f32) -> Self {
         Self::Gaussian(1.0 / (sigma * sigma))
-    }
-
-    /// True if nothing counts that is not [near](Self::near).
-    fn is_local(self) -> bool {
-        matches!(self, Self::Gaussian(_))
     }
 
     /// Cosine of the angle from a patch within which its texels are weighted one by one: where the weight changes much over it.
@@ -45,6 +42,7 @@ impl Kernel {
         let width = match self {
             Self::Ggx(a2) => 2.0 * texmap_math::float::sqrt(f64::from(a2)),
             Self::Cosine => 1.0,
+            #[cfg(test)]
             Self::Gaussian(scale) => {
                 // Five times sigma; nothing lies beyond.
                 let sigma = 1.0 / texmap_math::float::sqrt(f64::from(scale));
@@ -67,13 +65,15 @@ impl Kernel {
                 c.above(zero) / (q * q)
             }
             Self::Cosine => c.above(zero),
+            #[cfg(test)]
             Self::Gaussian(scale) => {
                 let x = (one - c).above(zero) * scale;
                 let near = x.simd_lt(12.0);
                 if !near.any_true() {
                     return zero;
                 }
-                let power = deterministic_f32::exp2_lanes(i, x * -core::f32::consts::LOG2_E);
+                let power =
+                    texmap_math::deterministic_f32::exp2_lanes(i, x * -core::f32::consts::LOG2_E);
                 near.select(power, zero)
             }
         }
@@ -298,8 +298,8 @@ impl Lobe<'_> {
                 if some != 0 {
                     near.push((k * LANES + at, bits));
                 }
-                // Half of all patches lie behind the axis, where no kernel that is not local weighs anything.
-                if !kernel.is_local() && weighs.any_true() {
+                // Half of all patches lie behind the axis, where no kernel weighs anything.
+                if weighs.any_true() {
                     let light = means.light::<I, GREY>(i, at);
                     for n in 0..AT_ONCE {
                         let weight = far[n].select(kernel.weight(i, cosines[n]), zero);
@@ -333,10 +333,11 @@ impl Lobe<'_> {
                     let d = patch.directions(i, at);
                     let light = patch.light::<I, GREY>(i, at);
                     for n in 0..AT_ONCE {
-                        // Far from this direction it is counted already: nothing is added then.
-                        let counts = ((bits[n] >> lane) & 1) as f32;
-                        let weight = kernel.weight(i, dot(d, axes[n])) * counts;
-                        add::<_, GREY>(&mut lanes[n], light, weight);
+                        // Far from this direction it is counted already.
+                        if (bits[n] >> lane) & 1 == 1 {
+                            let weight = kernel.weight(i, dot(d, axes[n]));
+                            add::<_, GREY>(&mut lanes[n], light, weight);
+                        }
                     }
                 }
             }
