@@ -90,6 +90,7 @@ impl AttributePlanes {
     }
 
     /// Widens the hulls of all slots.
+    #[inline(always)]
     fn widen(&mut self) {
         let group_words = self.per_group * GROUP;
         let groups = self.words.chunks_exact_mut(group_words.max(1));
@@ -157,7 +158,8 @@ impl BinnedDraws<'_> {
         dispatch_simd!(self.level(), wide i => self.planes_lanes(i, tile, out));
         out.plain = out.setups.is_empty() && !out.has_linear;
         if self.is_sampled() {
-            out.widen();
+            // The same operations at every level: only the compiler's vectors differ.
+            dispatch_simd!(self.level(), wide _i => out.widen());
         }
     }
 
