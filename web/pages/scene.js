@@ -124,8 +124,6 @@ async function changed() {
   for (const control of [filter, interp, wrap, aov]) if (control.value) request[control.id] = control.value;
   if (state.moved && state.camera) request.camera = { eye: eye(), look: state.camera.look };
   try {
-    // The first picture of the page does not wait for the studio's light.
-    if (!canvas.dataset.hash) show(canvas, (await call('ask', { files: state.files, request: { ...request, soon: true } })).panels[0]);
     const answer = await call('ask', { files: state.files.filter((name) => !dropped.includes(name)), request });
     show(canvas, answer.panels[0]);
     canvas.dataset.hash = answer.panels[0].hash;

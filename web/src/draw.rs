@@ -29,9 +29,6 @@ pub struct Draw {
     reference: Option<Reference>,
     /// Texels a side of the texture, where shifts of it are measured.
     texels: Option<f64>,
-    /// A model without the studio's light: a picture that comes soon, before the one that `texmap render` draws.
-    #[serde(default)]
-    soon: bool,
     /// Tell the camera, for pages that move it.
     #[serde(default)]
     where_from: bool,
@@ -121,10 +118,7 @@ impl Draw {
         let aspect = f64::from(width) / f64::from(height.max(1));
         let model = !self.file.to_ascii_lowercase().ends_with(".scene");
         let text = self.text.as_deref();
-        let mut scene = match self.soon {
-            true => files.scene_without_studio(&self.file, text, aspect)?,
-            false => files.scene(&self.file, text, aspect)?,
-        };
+        let mut scene = files.scene(&self.file, text, aspect)?;
         if let Some(camera) = &self.camera {
             camera.set(&mut scene);
         }

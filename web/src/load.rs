@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use texmap_io::framing::{Framing, Up, light_as_model, light_dark_surfaces};
+use texmap_io::framing::{Framing, Up, light_as_model};
 use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, IoError, LoadOptions};
 use texmap_scene::Scene;
@@ -44,28 +44,6 @@ impl Files {
         text: Option<&str>,
         aspect: f64,
     ) -> Result<Scene, String> {
-        self.lit_scene(file, text, aspect, light_as_model)
-    }
-
-    /// As [`scene`](Self::scene), with models under the lights of their files or automatic ones: the studio, which takes most of the time
-    /// until the first picture, is left out.
-    pub(crate) fn scene_without_studio(
-        &self,
-        file: &str,
-        text: Option<&str>,
-        aspect: f64,
-    ) -> Result<Scene, String> {
-        self.lit_scene(file, text, aspect, light_dark_surfaces)
-    }
-
-    /// Reads a scene or model and lights models by `light`.
-    fn lit_scene(
-        &self,
-        file: &str,
-        text: Option<&str>,
-        aspect: f64,
-        light: fn(&mut Scene, Up),
-    ) -> Result<Scene, String> {
         let path = Path::new(file);
         let mut files = self.source.clone();
         if let Some(text) = text {
@@ -89,7 +67,7 @@ impl Files {
         };
         let mut scene = texmap_io::load(path, &options).map_err(|e| words(&e))?;
         if model {
-            light(&mut scene, up);
+            light_as_model(&mut scene, up);
         }
         Ok(scene)
     }

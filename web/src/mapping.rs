@@ -27,7 +27,7 @@ pub struct Mapped {
 
 impl Mapped {
     pub(crate) fn answer(&self, files: &Files) -> Result<Answer, String> {
-        let scene = files.scene_without_studio(&self.model, None, 1.0)?;
+        let scene = files.scene(&self.model, None, 1.0)?;
         let (mut positions, mut faces) = (Vec::new(), Faces::new());
         for part in &scene.meshes {
             let first = positions.len() as u32;
