@@ -7,11 +7,10 @@ use texmap_scene::Scene;
 
 use super::Up;
 
-/// The room, and the levels of its light that some scene has read: made once, as that takes longer than many a model.
+/// The room and its light, made once.
 static STUDIO: Mutex<Option<Prefilter>> = Mutex::new(None);
 
-/// The neutral studio for surfaces of some roughnesses, upright along an axis. Beside a model that is being read, a thread may call it
-/// for none: that makes the larger part.
+/// The neutral studio for surfaces of some roughnesses, upright along an axis.
 #[must_use]
 pub fn studio(up: Up, roughnesses: Roughnesses) -> EnvironmentLight {
     let mut made = match rayon::current_thread_index() {

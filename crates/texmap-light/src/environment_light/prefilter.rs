@@ -34,7 +34,7 @@ const DIFFUSE_SOURCE: u32 = 64;
 const MOST: f32 = 1e6;
 
 /// Texels a side that the lobe of a roughness needs, at most.
-fn side(roughness: f32) -> u32 {
+pub(super) fn side(roughness: f32) -> u32 {
     match roughness {
         r if r < 0.15 => 128,
         r if r < 0.35 => 64,
@@ -79,10 +79,15 @@ impl Prefilter {
         }
     }
 
-    /// The room of [`EnvironmentLight::studio`].
+    /// The room of [`EnvironmentLight::studio`]. Nothing is gathered: its light is held.
     #[must_use]
     pub fn studio() -> Self {
-        Self::of_cube(studio::room())
+        let (around, rough) = studio::gathered();
+        Self {
+            around: Some(around),
+            rough: rough.map(Some),
+            ..Self::of_cube(studio::room())
+        }
     }
 
     /// The light for surfaces of some roughnesses. Levels that were made for an earlier light are not made again.

@@ -1,24 +1,62 @@
 //! A neutral room with bright windows.
 //!
-//! Its light is held in a file, as casting and blurring it takes longer than drawing many a model; the tests make it anew.
+//! Its light is held in files, as it takes longer to make than many a model to draw; the tests make them anew.
 
 #[cfg(test)]
 mod cast;
 
+use texmap_math::simd::{One, Scalar};
+
+use super::prefilter::{DIFFUSE_SIZE, side};
+use super::roughnesses::STEPS;
 use super::{EnvironmentLight, Prefilter, Roughnesses};
 use crate::environment::Environment;
-use crate::{EnvironmentLayout, LightError};
+use crate::{EnvironmentLayout, LightError, shared_exponent};
 
 /// Texels a side. The blur leaves nothing finer.
 const SIZE: u32 = 64;
-/// The grey texels of a cube with their borders, f32 with the low byte first.
-static ROOM: &[u8; 4 * 6 * (SIZE as usize + 2).pow(2)] = include_bytes!("studio/room.f32");
+
+/// Texels of a cube with their borders.
+const fn texels(side: usize) -> usize {
+    6 * (side + 2) * (side + 2)
+}
+
+/// The grey texels of the room, f32 with the low byte first.
+static ROOM: &[u8; 4 * texels(64)] = include_bytes!("studio/room.f32");
+/// Those of the light of a diffuse surface and of the levels of roughness but the first, in the words of [`shared_exponent`]: nine bits
+/// of one channel and five of the exponent, the low byte first.
+static GATHERED: &[u8; 2 * (3 * texels(64) + 4 * texels(32) + 4 * texels(16))] =
+    include_bytes!("studio/gathered.u14");
 
 /// The light of the room as its eye sees it.
 pub(super) fn room() -> Environment {
     let (texels, _) = ROOM.as_chunks();
     let texels = texels.iter().map(|bytes| [f32::from_le_bytes(*bytes); 3]);
     Environment::with_borders(EnvironmentLayout::Cube, (SIZE, SIZE), texels.collect())
+}
+
+/// The light of a diffuse surface and of the levels of roughness but the first.
+pub(super) fn gathered() -> (Environment, [Environment; STEPS]) {
+    let (mut codes, _) = GATHERED.as_chunks();
+    let mut cube = |size: u32| {
+        let (own, rest) = codes.split_at(texels(size as usize));
+        codes = rest;
+        let light = |bytes: &[u8; 2]| {
+            let code = u32::from(u16::from_le_bytes(*bytes));
+            let channel = code & 511;
+            let word = channel | channel << 9 | channel << 18 | (code >> 9) << 27;
+            shared_exponent::unpack(Scalar, One(word))
+        };
+        let own = own.iter().map(light).collect();
+        Environment::with_borders(EnvironmentLayout::Cube, (size, size), own)
+    };
+    let around = cube(DIFFUSE_SIZE);
+    (around, core::array::from_fn(|k| cube(level_size(k + 1))))
+}
+
+/// Texels a side of a level of roughness.
+fn level_size(step: usize) -> u32 {
+    SIZE.min(side(step as f32 / STEPS as f32))
 }
 
 /// The error of a size, which is a constant within range.

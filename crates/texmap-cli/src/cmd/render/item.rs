@@ -38,7 +38,6 @@ pub(crate) fn item(
     let files = &files.clone().recording();
     let options = options(args, file, files);
     let kept = scene_file || args.budget().is_some();
-    args.light.prepare(kept, args.color);
     let rootless = file != item.input && args.root.folder().is_none();
     let mut scene = load(file, rootless, &options)?;
     if let Some(Background::Color(color)) = args.background {

@@ -108,17 +108,6 @@ impl LightArgs {
         }
     }
 
-    /// Begins to make the studio where a model will want it, while the model is read: all but the levels that its surfaces decide.
-    pub(crate) fn prepare(&self, kept: bool, color: Option<ColorMode>) {
-        let asked = match &self.env {
-            None => !kept && self.shading != Some(Model::Classic),
-            Some(env) => *env == Env::Neutral,
-        };
-        if asked && color != Some(ColorMode::Raw) {
-            std::thread::spawn(|| drop(studio(Up::Y, Roughnesses::NONE)));
-        }
-    }
-
     /// Gives surfaces their model, which is metallic-roughness unless one is asked for. Raw colours are no light and stay as they are,
     /// and `kept` keeps what the files say: of a scene file, and where a plan is asked, which knows the classic model.
     pub(crate) fn shade(&self, scene: &mut Scene, kept: bool) {

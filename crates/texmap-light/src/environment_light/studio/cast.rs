@@ -1,4 +1,4 @@
-//! The room of the studio by ray casting and a blur: makes the file that the library holds.
+//! The room of the studio by ray casting and a blur, and its light: makes the files that the library holds.
 //!
 //! Positions and strengths are those of the environment "neutral" of model-viewer (`EnvironmentScene.js`, Apache-2.0).
 
@@ -7,10 +7,13 @@ use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::progress::no_progress;
 
-use super::SIZE;
-use crate::EnvironmentLayout;
+use super::{GATHERED, ROOM, SIZE, level_size};
 use crate::environment::Environment;
 use crate::environment_light::gather::{Kernel, Texels};
+use crate::environment_light::prefilter::DIFFUSE_SIZE;
+use crate::environment_light::roughnesses::STEPS;
+use crate::environment_light::{EnvironmentLight, Prefilter, Roughnesses};
+use crate::{EnvironmentLayout, shared_exponent};
 
 /// Rays a texel and side.
 const RAYS: u32 = 2;
@@ -19,7 +22,7 @@ const BLUR: f32 = 0.04;
 /// Position of the eye, 3.5 below the origin of the room.
 const EYE: DVec3 = DVec3::new(0.0, 3.5, 0.0);
 /// Middle and half the sides of the room.
-const ROOM: (DVec3, DVec3) = (DVec3::new(0.0, 13.2, 0.0), DVec3::new(15.75, 14.25, 15.75));
+const WALLS: (DVec3, DVec3) = (DVec3::new(0.0, 13.2, 0.0), DVec3::new(15.75, 14.25, 15.75));
 /// The point light of the room and of the white boxes: position, intensity in candela and range.
 const LAMP: (DVec3, f64, f64) = (DVec3::new(0.5, 14.0, 0.5), 400.0, 28.0);
 
@@ -133,7 +136,7 @@ fn lit(point: DVec3, normal: DVec3) -> f64 {
 /// Radiance from a direction.
 fn radiance(solids: &[Solid], d: DVec3) -> f64 {
     // The eye is in the room, so that a ray meets a wall.
-    let (middle, half) = ROOM;
+    let (middle, half) = WALLS;
     let (mut nearest, mut normal) = (f64::INFINITY, DVec3::ZERO);
     for k in 0..3 {
         let wall = if d[k] > 0.0 { half[k] } else { -half[k] };
@@ -183,21 +186,40 @@ fn cast() -> Environment {
         .unwrap()
 }
 
-/// `TEXMAP_BLESS=1` writes the file, after a change of the room.
+/// The words of grey light without two of their channels.
+fn codes(cube: &Environment) -> impl Iterator<Item = u8> {
+    cube.first_level().iter().flat_map(|texel| {
+        let word = shared_exponent::pack(texel);
+        let code = word & 511 | (word >> 27) << 9;
+        (code as u16).to_le_bytes()
+    })
+}
+
+/// The files hold what is cast and gathered, to the bit. `TEXMAP_BLESS=1` writes them after a change of the room.
 #[test]
-fn the_file_holds_the_room() {
+fn the_files_hold_the_room_and_its_light() {
     let cast = cast();
+    let mut made = Prefilter::of_cube(cast.clone());
+    let around = made.diffuse(EnvironmentLayout::Cube, DIFFUSE_SIZE).unwrap();
+    let levels = (1..=STEPS).map(|step| {
+        let roughness = step as f32 / STEPS as f32;
+        made.lobe(EnvironmentLayout::Cube, level_size(step), roughness)
+            .unwrap()
+    });
+    let levels: Vec<_> = levels.collect();
+    let texels = cast.texels.iter();
+    let room: Vec<u8> = texels.flat_map(|[light, ..]| light.to_le_bytes()).collect();
+    let gathered: Vec<u8> = core::iter::once(&around)
+        .chain(&levels)
+        .flat_map(codes)
+        .collect();
     if std::env::var_os("TEXMAP_BLESS").is_some() {
-        let path = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/src/environment_light/studio/room.f32"
-        );
-        let bytes = cast
-            .texels
-            .iter()
-            .flat_map(|[light, ..]| light.to_le_bytes());
-        std::fs::write(path, bytes.collect::<Vec<_>>()).unwrap();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/environment_light/studio/");
+        std::fs::write(folder.to_owned() + "room.f32", &room).unwrap();
+        std::fs::write(folder.to_owned() + "gathered.u14", &gathered).unwrap();
         return;
     }
-    assert_eq!(super::room(), cast);
+    assert!(room == ROOM[..] && gathered == GATHERED[..]);
+    let light = Prefilter::of_cube(cast).light(Roughnesses::ALL).unwrap();
+    assert_eq!(light, EnvironmentLight::studio());
 }
