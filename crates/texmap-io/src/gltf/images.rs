@@ -61,6 +61,10 @@ enum Bytes {
     Lost(String),
 }
 
+/// Width and height of a picture, and its bits a channel.
+#[derive(Clone, Copy)]
+struct Found((u32, u32), u32);
+
 /// Decodes the pictures that are used and makes the textures, in the order of `uses`. `raw`: colours are taken as they are.
 pub(super) fn textures(
     model: &mut Model<'_>,
@@ -75,21 +79,25 @@ pub(super) fn textures(
     for image in &wanted {
         sources.push((*image, source(model, *image, missing)?));
     }
+    let mut order: Vec<usize> = (0..uses.list.len()).collect();
+    order.sort_by_key(|at| uses.list[*at].0);
     let shared = &*model;
     // The texels of a picture are gone as soon as its textures are made.
     let read = parallel::map(sources.iter(), |(image, bytes)| {
         let decoded = decode(shared, *image, bytes);
-        let uses = uses.list.iter().enumerate();
-        let uses = uses.filter(|(_, (of, _))| of == image);
-        let made = uses.map(|(at, (_, used))| {
+        let first = order.partition_point(|at| uses.list[*at].0 < *image);
+        let here = order[first..].iter();
+        let here = here.take_while(|at| uses.list[**at].0 == *image);
+        let made = here.map(|at| {
+            let (_, used) = uses.list[*at];
             let made = match &decoded {
-                Ok(Some(picture)) => texture(shared, *image, picture, *used, raw),
+                Ok(Some(picture)) => texture(shared, *image, picture, used, raw),
                 _ => Ok(stand_in(missing, used.content()).with_mips()),
             };
-            (at, made)
+            (*at, made)
         });
         let made: Vec<_> = made.collect();
-        let found = decoded.map(|picture| picture.map(|picture| (picture.size(), picture.bits())));
+        let found = decoded.map(|picture| picture.map(|p| Found(p.size(), p.bits())));
         (found, made)
     });
     let mut all = Vec::new();
@@ -158,7 +166,7 @@ fn note(
     model: &mut Model<'_>,
     image: usize,
     bytes: &Bytes,
-    found: Result<Option<((u32, u32), u32)>, IoError>,
+    found: Result<Option<Found>, IoError>,
 ) -> Result<(), IoError> {
     let path = called(model, image);
     let (found, problem) = match found {
@@ -178,8 +186,8 @@ fn note(
     let file = NamedFile {
         path,
         named_by: model.place(&format!("/images/{image}")),
-        size: found.map(|(size, _)| size.into()),
-        bits: found.map(|(_, bits)| bits),
+        size: found.map(|Found(size, _)| size.into()),
+        bits: found.map(|Found(_, bits)| bits),
         problem,
     };
     model.note_file(file);
