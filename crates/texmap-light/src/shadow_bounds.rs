@@ -3,9 +3,11 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use texmap_math::dispatch_simd;
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
-use texmap_math::{Level, dispatch_simd};
+
+use crate::level;
 
 /// log2 of a patch's side in texels.
 const SHIFT: u32 = 3;
@@ -66,7 +68,7 @@ impl StripBounds {
         first_row: usize,
         reached: FiniteColumns<'_>,
     ) -> Self {
-        dispatch_simd!(Level::new(), i => Self::of_rows(i, rows, size, taps, first_row, reached))
+        dispatch_simd!(level(), i => Self::of_rows(i, rows, size, taps, first_row, reached))
     }
 
     #[inline(always)]
