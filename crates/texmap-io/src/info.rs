@@ -260,8 +260,8 @@ fn image(path: &Path, files: &FileSource, unknown: IoError) -> Result<FileInfo, 
     let file = NamedFile {
         path: path.to_path_buf(),
         named_by: String::new(),
-        size: Some(image.size().into()),
-        bits: Some(image.bits()),
+        size: Some(image.size.into()),
+        bits: Some(image.texels.bits()),
         problem: None,
     };
     Ok(FileInfo {

@@ -307,7 +307,7 @@ impl Textures {
             return Ok((texture, size));
         }
         let image = image_io::read_named(&self.source, path, Some(location))?;
-        let (size, bits) = (image.size(), image.bits());
+        let (size, bits) = (image.size, image.texels.bits());
         // Eight bytes a texel, sixteen of floats, and a third more for the mip chain.
         let kept = if bits == 32 { 22 } else { 11 };
         image_io::ask_for_texels(&self.source, path, Some(location), size, kept)?;

@@ -160,9 +160,7 @@ impl<'a> Scan<'a> {
             out.push(pair);
         }
     }
-}
 
-impl Scan<'_> {
     /// Bounds of each of some columns over rows, of which there are as many as there are lanes at least.
     #[inline(always)]
     fn columns<I: Isa>(&mut self, i: I, rows: &[f32], columns: Range<usize>) {

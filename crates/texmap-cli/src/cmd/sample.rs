@@ -13,7 +13,7 @@ use texmap_scene::ColorMode;
 use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{Exit, Failure};
 use crate::formats;
-use crate::levels::ask_for_levels;
+use crate::levels::{ask_for_levels, ask_to_prepare};
 use crate::output::{Destination, Stage, distinct};
 use crate::values;
 
@@ -84,11 +84,7 @@ pub(crate) fn run(args: &SampleArgs) -> Result<Exit, Failure> {
     let (texture, channels) = read(args)?;
     ask_for_levels(&texture, &args.image)?;
     let texture = texture.with_mips();
-    MemoryBudget::of_process().ask(
-        texture.bytes_to_prepare(args.filter),
-        format_args!("what the filter reads of {}", args.image.display()),
-        "take a smaller image, or a filter that reads one level",
-    )?;
+    ask_to_prepare(&texture, args.filter, &args.image)?;
     let texture = texture.prepared_for(args.filter);
     let sampler = Sampler {
         filter: args.filter,

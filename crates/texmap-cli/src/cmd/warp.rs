@@ -10,13 +10,14 @@ use std::thread;
 use clap::Args;
 use texmap_io::{Lost, PictureFormat, PixelCode, image_io, write_pixels};
 use texmap_math::glam::{DMat3, DVec2, DVec3};
-use texmap_math::{Homography, Level, MemoryBudget, deterministic_f64};
+use texmap_math::{Homography, Level, deterministic_f64};
 use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample, Texture2d};
 use texmap_scene::ColorMode;
 
 use crate::cmd::written::{Written, one_stdout};
 use crate::failure::{self, Exit, Failure, say};
 use crate::formats;
+use crate::levels::ask_to_prepare;
 use crate::output::{Destination, Stage, distinct};
 use crate::values::{self, Resolution};
 
@@ -158,11 +159,7 @@ pub(crate) fn run(args: &WarpArgs) -> Result<Exit, Failure> {
         let made = forward::forward(&texture, &map, (width, height));
         return write_forward(args, (main, format, bits), made, (width, height));
     }
-    MemoryBudget::of_process().ask(
-        texture.bytes_to_prepare(args.filter),
-        format_args!("what the filter reads of {}", args.image.display()),
-        "take a smaller image, or a filter that reads one level",
-    )?;
+    ask_to_prepare(&texture, args.filter, &args.image)?;
     let texture = texture.prepared_for(args.filter);
     let outside = match args.outside {
         Beyond::Transparent => EdgeMode::Transparent,

@@ -13,14 +13,9 @@ static STUDIO: Mutex<Option<Prefilter>> = Mutex::new(None);
 /// The neutral studio for surfaces of some roughnesses, upright along an axis.
 #[must_use]
 pub fn studio(up: Up, roughnesses: Roughnesses) -> EnvironmentLight {
-    let mut made = match rayon::current_thread_index() {
-        None => Some(STUDIO.lock().unwrap_or_else(PoisonError::into_inner)),
-        // A thread of the pool that waits could be one that the maker waits for: it makes its own.
-        Some(_) => STUDIO.try_lock().ok(),
-    };
-    let mut own = None;
-    let studio = made.as_deref_mut().unwrap_or(&mut own);
-    let light = studio
+    // Nothing is gathered under the lock: the studio holds all of its light.
+    let mut made = STUDIO.lock().unwrap_or_else(PoisonError::into_inner);
+    let light = made
         .get_or_insert_with(Prefilter::studio)
         .light(roughnesses);
     let light = light.unwrap_or_else(|error| unreachable!("sizes are within range: {error}"));

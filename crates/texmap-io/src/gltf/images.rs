@@ -72,32 +72,26 @@ pub(super) fn textures(
     missing: Missing,
     raw: bool,
 ) -> Result<Vec<Texture2d<'static>>, IoError> {
-    let mut wanted: Vec<usize> = uses.list.iter().map(|(image, _)| *image).collect();
-    wanted.sort_unstable();
+    let mut wanted: Vec<usize> = uses.known.keys().map(|(image, _)| *image).collect();
     wanted.dedup();
     let mut sources = Vec::new();
     for image in &wanted {
         sources.push((*image, source(model, *image, missing)?));
     }
-    let mut order: Vec<usize> = (0..uses.list.len()).collect();
-    order.sort_by_key(|at| uses.list[*at].0);
     let shared = &*model;
     // The texels of a picture are gone as soon as its textures are made.
     let read = parallel::map(sources.iter(), |(image, bytes)| {
         let decoded = decode(shared, *image, bytes);
-        let first = order.partition_point(|at| uses.list[*at].0 < *image);
-        let here = order[first..].iter();
-        let here = here.take_while(|at| uses.list[**at].0 == *image);
-        let made = here.map(|at| {
-            let (_, used) = uses.list[*at];
+        let here = (*image, Use::Color)..=(*image, Use::OpaqueData);
+        let made = uses.known.range(here).map(|((_, used), at)| {
             let made = match &decoded {
-                Ok(Some(picture)) => texture(shared, *image, picture, used, raw),
+                Ok(Some(picture)) => texture(shared, *image, picture, *used, raw),
                 _ => Ok(stand_in(missing, used.content()).with_mips()),
             };
             (*at, made)
         });
         let made: Vec<_> = made.collect();
-        let found = decoded.map(|picture| picture.map(|p| Found(p.size(), p.bits())));
+        let found = decoded.map(|picture| picture.map(|p| Found(p.size, p.texels.bits())));
         (found, made)
     });
     let mut all = Vec::new();
@@ -207,8 +201,8 @@ fn texture(
         _ => ColorSpace::Linear,
     };
     // As for the maps of other models: texels and a third more for the levels.
-    let kept = if picture.bits() == 32 { 22 } else { 11 };
-    let size = picture.size();
+    let kept = if picture.texels.bits() == 32 { 22 } else { 11 };
+    let size = picture.size;
     let within = |error| model.within(&format!("/images/{image}"), error);
     image_io::ask_for_texels(&model.files, &path, None, size, kept).map_err(within)?;
     let opaque = matches!(used, Use::OpaqueColor | Use::OpaqueData);

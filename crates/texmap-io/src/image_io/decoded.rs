@@ -5,38 +5,39 @@ use std::path::Path;
 use image::DynamicImage;
 use texmap_sample::{Alpha, ColorSpace, TexelData, Texture2d};
 
-use super::{unfit, upload};
+use super::{Depth, unfit, upload};
 use crate::{IoError, SourceLocation};
 
 /// A decoded image with the channels and the depth of its file.
 #[derive(Debug)]
-pub(crate) struct Decoded(DynamicImage);
+pub(crate) struct Decoded {
+    /// Columns and rows.
+    pub(crate) size: (u32, u32),
+    channels: u32,
+    /// As many values a texel as there are channels.
+    pub(crate) texels: Depth,
+}
 
 impl Decoded {
     pub(super) fn new(image: DynamicImage) -> Self {
-        Self(match image {
-            DynamicImage::ImageLuma8(_)
-            | DynamicImage::ImageLumaA8(_)
-            | DynamicImage::ImageRgb8(_)
-            | DynamicImage::ImageRgba8(_)
-            | DynamicImage::ImageLuma16(_)
-            | DynamicImage::ImageLumaA16(_)
-            | DynamicImage::ImageRgb16(_)
-            | DynamicImage::ImageRgba16(_)
-            | DynamicImage::ImageRgb32F(_) => image,
-            other => DynamicImage::ImageRgba32F(other.into_rgba32f()),
-        })
-    }
-
-    /// Columns and rows.
-    pub(crate) fn size(&self) -> (u32, u32) {
-        (self.0.width(), self.0.height())
-    }
-
-    /// Bits a channel; 32 for floats, half floats too.
-    pub(crate) fn bits(&self) -> u32 {
-        let color = self.0.color();
-        8 * u32::from(color.bytes_per_pixel() / color.channel_count())
+        let size = (image.width(), image.height());
+        let (channels, texels) = match image {
+            DynamicImage::ImageLuma8(t) => (1, Depth::U8(t.into_raw())),
+            DynamicImage::ImageLumaA8(t) => (2, Depth::U8(t.into_raw())),
+            DynamicImage::ImageRgb8(t) => (3, Depth::U8(t.into_raw())),
+            DynamicImage::ImageRgba8(t) => (4, Depth::U8(t.into_raw())),
+            DynamicImage::ImageLuma16(t) => (1, Depth::U16(t.into_raw())),
+            DynamicImage::ImageLumaA16(t) => (2, Depth::U16(t.into_raw())),
+            DynamicImage::ImageRgb16(t) => (3, Depth::U16(t.into_raw())),
+            DynamicImage::ImageRgba16(t) => (4, Depth::U16(t.into_raw())),
+            DynamicImage::ImageRgb32F(t) => (3, Depth::F32(t.into_raw())),
+            other => (4, Depth::F32(other.into_rgba32f().into_raw())),
+        };
+        Self {
+            size,
+            channels,
+            texels,
+        }
     }
 
     /// The texture of one level: whole numbers are of `color`, with straight alpha, floats are linear light. If it is to be `opaque`, the
@@ -48,52 +49,35 @@ impl Decoded {
         color: ColorSpace,
         opaque: bool,
     ) -> Result<Texture2d<'static>, IoError> {
-        let (size, channels) = (self.size(), usize::from(self.0.color().channel_count()));
-        let made = |channels: usize, texels: TexelData<'_>| match texels {
-            TexelData::F32(_) => upload(
-                size,
-                channels,
-                texels,
-                ColorSpace::Linear,
-                Alpha::Premultiplied,
-            ),
-            _ => upload(size, channels, texels, color, Alpha::Straight),
+        if opaque && self.channels.is_multiple_of(2) {
+            return self.without_alpha().texture(path, named_by, color, false);
+        }
+        let (texels, color, alpha) = match &self.texels {
+            Depth::U8(t) => (TexelData::U8(t), color, Alpha::Straight),
+            Depth::U16(t) => (TexelData::U16(t), color, Alpha::Straight),
+            Depth::F32(t) => (TexelData::F32(t), ColorSpace::Linear, Alpha::Premultiplied),
         };
-        let texels = self.texels();
-        let texture = if opaque && channels.is_multiple_of(2) {
-            let left = channels - 1;
-            match texels {
-                TexelData::U8(t) => made(left, TexelData::U8(&without_alpha(t, channels))),
-                TexelData::U16(t) => made(left, TexelData::U16(&without_alpha(t, channels))),
-                TexelData::F32(t) => made(left, TexelData::F32(&without_alpha(t, channels))),
-                other => made(channels, other),
-            }
-        } else {
-            made(channels, texels)
-        };
-        texture.map_err(|e| unfit(path, named_by, &e))
+        upload(self.size, self.channels, texels, color, alpha)
+            .map_err(|e| unfit(path, named_by, &e))
     }
 
-    fn texels(&self) -> TexelData<'_> {
-        match &self.0 {
-            DynamicImage::ImageLuma8(t) => TexelData::U8(t),
-            DynamicImage::ImageLumaA8(t) => TexelData::U8(t),
-            DynamicImage::ImageRgb8(t) => TexelData::U8(t),
-            DynamicImage::ImageRgba8(t) => TexelData::U8(t),
-            DynamicImage::ImageLuma16(t) => TexelData::U16(t),
-            DynamicImage::ImageLumaA16(t) => TexelData::U16(t),
-            DynamicImage::ImageRgb16(t) => TexelData::U16(t),
-            DynamicImage::ImageRgba16(t) => TexelData::U16(t),
-            DynamicImage::ImageRgb32F(t) => TexelData::F32(t),
-            DynamicImage::ImageRgba32F(t) => TexelData::F32(t),
-            // None is left by `new`.
-            _ => TexelData::U8(&[]),
+    /// The same colours, opaque.
+    fn without_alpha(&self) -> Self {
+        let channels = self.channels;
+        Self {
+            size: self.size,
+            channels: channels - 1,
+            texels: match &self.texels {
+                Depth::U8(t) => Depth::U8(without_alpha(t, channels)),
+                Depth::U16(t) => Depth::U16(without_alpha(t, channels)),
+                Depth::F32(t) => Depth::F32(without_alpha(t, channels)),
+            },
         }
     }
 }
 
 /// The channels before the last.
-fn without_alpha<T: Copy>(texels: &[T], channels: usize) -> Vec<T> {
+fn without_alpha<T: Copy>(texels: &[T], channels: u32) -> Vec<T> {
     if channels == 2 {
         texels.iter().step_by(2).copied().collect()
     } else {
@@ -106,7 +90,7 @@ fn without_alpha<T: Copy>(texels: &[T], channels: usize) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image_io::{Depth, Rgba};
+    use crate::image_io::Rgba;
 
     /// Every kind of image: the texels of one of four channels, and without alpha those of an opaque one.
     #[test]
@@ -135,7 +119,7 @@ mod tests {
         for image in all {
             let mut four = Rgba::of(image.clone());
             let decoded = Decoded::new(image);
-            assert_eq!(decoded.bits(), four.texels.bits());
+            assert_eq!(decoded.texels.bits(), four.texels.bits());
             for opaque in [false, true] {
                 if opaque {
                     match &mut four.texels {

@@ -149,7 +149,7 @@ fn linear(
 
 fn upload(
     (width, height): (u32, u32),
-    channels: usize,
+    channels: u32,
     texels: TexelData<'_>,
     color: ColorSpace,
     alpha: Alpha,
@@ -157,7 +157,7 @@ fn upload(
     Texture2d::new(&Image {
         width,
         height,
-        channels: channels as u32,
+        channels,
         texels,
         color,
         alpha,

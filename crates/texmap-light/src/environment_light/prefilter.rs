@@ -20,9 +20,9 @@ pub struct Prefilter {
     cube: Environment,
     /// Levels of the cube that were gathered.
     sources: Vec<(usize, Texels)>,
-    /// The diffuse cube and the levels of roughness that were made for a light.
-    around: Option<Environment>,
-    rough: [Option<Environment>; STEPS],
+    /// The diffuse cube and the levels of roughness that are at hand for a light.
+    pub(super) around: Option<Environment>,
+    pub(super) rough: [Option<Environment>; STEPS],
 }
 
 /// Texels a side of the diffuse cube: the kink that a sun makes at its horizon is off by 1.2 % of its light. (Nine spherical
@@ -33,8 +33,13 @@ const DIFFUSE_SOURCE: u32 = 64;
 /// Brightest texel.
 const MOST: f32 = 1e6;
 
+/// Texels a side of a level of roughness, from a cube of `most`.
+pub(super) fn level_size(most: u32, step: usize) -> u32 {
+    most.min(side(step as f32 / STEPS as f32))
+}
+
 /// Texels a side that the lobe of a roughness needs, at most.
-pub(super) fn side(roughness: f32) -> u32 {
+fn side(roughness: f32) -> u32 {
     match roughness {
         r if r < 0.15 => 128,
         r if r < 0.35 => 64,
@@ -105,7 +110,7 @@ impl Prefilter {
         for step in roughnesses.levels() {
             if self.rough[step - 1].is_none() {
                 let roughness = step as f32 / STEPS as f32;
-                let size = self.cube.size().0.min(side(roughness));
+                let size = level_size(self.cube.size().0, step);
                 self.rough[step - 1] = Some(self.lobe(layout, size, roughness)?);
             }
         }

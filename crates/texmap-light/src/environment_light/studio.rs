@@ -1,13 +1,13 @@
 //! A neutral room with bright windows.
 //!
-//! Its light is held in files, as it takes longer to make than many a model to draw; the tests make them anew.
+//! Its light is held in files, as it takes longer to make than many a model to draw; the tests make them again.
 
 #[cfg(test)]
 mod cast;
 
 use texmap_math::simd::{One, Scalar};
 
-use super::prefilter::{DIFFUSE_SIZE, side};
+use super::prefilter::{DIFFUSE_SIZE, level_size};
 use super::roughnesses::STEPS;
 use super::{EnvironmentLight, Prefilter, Roughnesses};
 use crate::environment::Environment;
@@ -51,12 +51,10 @@ pub(super) fn gathered() -> (Environment, [Environment; STEPS]) {
         Environment::with_borders(EnvironmentLayout::Cube, (size, size), own)
     };
     let around = cube(DIFFUSE_SIZE);
-    (around, core::array::from_fn(|k| cube(level_size(k + 1))))
-}
-
-/// Texels a side of a level of roughness.
-fn level_size(step: usize) -> u32 {
-    SIZE.min(side(step as f32 / STEPS as f32))
+    (
+        around,
+        core::array::from_fn(|k| cube(level_size(SIZE, k + 1))),
+    )
 }
 
 /// The error of a size, which is a constant within range.

@@ -81,7 +81,7 @@ fn of_slots(count: usize, triangles: &[Triangle], groups: &Groups, sums: &[Space
     };
     let tangent = |owners: &[u32; 2]| match owners.map(sum) {
         // The later group decides.
-        [Some(a), Some(b)] => Some((mean(a.1, b.1).s, if a.0 > b.0 { a.2 } else { b.2 })),
+        [Some(a), Some(b)] => Some((mean(a.1, b.1), if a.0 > b.0 { a.2 } else { b.2 })),
         [a, b] => a.or(b).map(|(_, sum, upright)| (sum.s, upright)),
     };
     collect_chunks(count, |chunk| owners[chunk].iter().map(tangent).collect())
@@ -116,15 +116,9 @@ fn inherit(
     }
 }
 
-fn mean(a: Space, b: Space) -> Space {
-    if a == b {
-        return a;
-    }
-    Space {
-        s: unit(a.s + b.s),
-        t: unit(a.t + b.t),
-        lengths: (a.lengths + b.lengths) * 0.5,
-    }
+/// The tangent of both halves of a quad.
+fn mean(a: Space, b: Space) -> Vec3 {
+    if a == b { a.s } else { unit(a.s + b.s) }
 }
 
 /// Triangles with area and the welded vertices of their corners.

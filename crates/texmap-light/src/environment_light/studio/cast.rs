@@ -7,11 +7,9 @@ use texmap_math::float::sqrt;
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::progress::no_progress;
 
-use super::{GATHERED, ROOM, SIZE, level_size};
+use super::{GATHERED, ROOM, SIZE};
 use crate::environment::Environment;
 use crate::environment_light::gather::{Kernel, Texels};
-use crate::environment_light::prefilter::DIFFUSE_SIZE;
-use crate::environment_light::roughnesses::STEPS;
 use crate::environment_light::{EnvironmentLight, Prefilter, Roughnesses};
 use crate::{EnvironmentLayout, shared_exponent};
 
@@ -24,7 +22,7 @@ const EYE: DVec3 = DVec3::new(0.0, 3.5, 0.0);
 /// Middle and half the sides of the room.
 const WALLS: (DVec3, DVec3) = (DVec3::new(0.0, 13.2, 0.0), DVec3::new(15.75, 14.25, 15.75));
 /// The point light of the room and of the white boxes: position, intensity in candela and range.
-const LAMP: (DVec3, f64, f64) = (DVec3::new(0.5, 14.0, 0.5), 400.0, 28.0);
+const POINT_LIGHT: (DVec3, f64, f64) = (DVec3::new(0.5, 14.0, 0.5), 400.0, 28.0);
 
 /// Middle, turn about +Y and sides of a white box.
 const BOXES: [([f64; 3], f64, [f64; 3]); 6] = [
@@ -122,7 +120,7 @@ impl Solid {
 
 /// Radiance of a white surface under the point light.
 fn lit(point: DVec3, normal: DVec3) -> f64 {
-    let (position, intensity, range) = LAMP;
+    let (position, intensity, range) = POINT_LIGHT;
     let way = position - point;
     let square = way.length_squared();
     let ratio = square / (range * range);
@@ -200,17 +198,13 @@ fn codes(cube: &Environment) -> impl Iterator<Item = u8> {
 fn the_files_hold_the_room_and_its_light() {
     let cast = cast();
     let mut made = Prefilter::of_cube(cast.clone());
-    let around = made.diffuse(EnvironmentLayout::Cube, DIFFUSE_SIZE).unwrap();
-    let levels = (1..=STEPS).map(|step| {
-        let roughness = step as f32 / STEPS as f32;
-        made.lobe(EnvironmentLayout::Cube, level_size(step), roughness)
-            .unwrap()
-    });
-    let levels: Vec<_> = levels.collect();
+    let light = made.light(Roughnesses::ALL).unwrap();
     let texels = cast.texels.iter();
     let room: Vec<u8> = texels.flat_map(|[light, ..]| light.to_le_bytes()).collect();
-    let gathered: Vec<u8> = core::iter::once(&around)
-        .chain(&levels)
+    let gathered: Vec<u8> = made
+        .around
+        .iter()
+        .chain(made.rough.iter().flatten())
         .flat_map(codes)
         .collect();
     if std::env::var_os("TEXMAP_BLESS").is_some() {
@@ -220,6 +214,5 @@ fn the_files_hold_the_room_and_its_light() {
         return;
     }
     assert!(room == ROOM[..] && gathered == GATHERED[..]);
-    let light = Prefilter::of_cube(cast).light(Roughnesses::ALL).unwrap();
     assert_eq!(light, EnvironmentLight::studio());
 }
