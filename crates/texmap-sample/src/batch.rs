@@ -5,8 +5,10 @@ use crate::{
 };
 use texmap_math::{Level, footprint::Footprint};
 
+mod joint;
 mod run;
 
+pub use joint::JointTextures;
 pub(crate) use run::Batch;
 
 /// Samples at many coordinates at once; dispatches to the SIMD level once. Results equal

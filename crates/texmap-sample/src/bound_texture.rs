@@ -31,6 +31,8 @@ pub const SCALAR_FETCH: u8 = 3;
 pub const BLOCKS: u8 = 5;
 /// No format of a view but of kernels: any of those with f32 weights, asked for at each texel. Rare filters have one compiled form.
 pub const ANY: u8 = 4;
+/// No format of a view but of kernels: [`RGBA8_EXACT`] or [`RGBA16`].
+pub(crate) const EXACT_WORDS: u8 = 6;
 
 /// The format by which kernels with f32 weights read a chain.
 #[inline(always)]
@@ -206,6 +208,32 @@ impl<'a> BoundTexture<'a> {
     /// without probes has chosen a level for it.
     pub fn is_magnified_by(&self, [ux, uy]: [f32; 2], [vx, vy]: [f32; 2]) -> bool {
         is_magnified(self, &TexelFootprint::new(Scalar, self, ux, vx, uy, vy))
+    }
+
+    /// True if cells (addresses and weights of texels) that a batch of look-ups finds in one of both serve the other, too: filter, wraps,
+    /// limits and the sides of all levels are the same, and texels lie in the same order in words.
+    pub fn shares_cells(&self, other: &Self) -> bool {
+        let [texels, others] = [self, other].map(|view| match view.format {
+            RGBA8_EXACT => Some(1),
+            RGBA16 => Some(2),
+            _ => None,
+        });
+        let (Some(texels), Some(others)) = (texels, others) else {
+            return false;
+        };
+        let same_level = |level: usize| {
+            let (a, b) = (&self.levels[level], &other.levels[level]);
+            (a.width, a.height, a.turn) == (b.width, b.height, b.turn)
+                && i64::from(a.offset) * others == i64::from(b.offset) * texels
+        };
+        matches!(self.kind, Kernel::Bilinear | Kernel::Trilinear)
+            && self.kind == other.kind
+            && self.axes == other.axes
+            && !self.bordered
+            && self.precision == other.precision
+            && self.lod_range == other.lod_range
+            && self.last == other.last
+            && (0..=self.last as usize).all(same_level)
     }
 
     /// Columns and rows of level 0.

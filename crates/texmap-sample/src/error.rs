@@ -68,6 +68,13 @@ pub enum SampleError {
         /// Length given.
         got: usize,
     },
+    /// Textures that are looked up together have other numbers of outputs.
+    Outputs {
+        /// The textures.
+        textures: usize,
+        /// Outputs given.
+        got: usize,
+    },
 }
 
 impl fmt::Display for SampleError {
@@ -118,6 +125,12 @@ impl fmt::Display for SampleError {
                 write!(
                     f,
                     "{what} holds {got} entries, the coordinates have {expected}"
+                )
+            }
+            Self::Outputs { textures, got } => {
+                write!(
+                    f,
+                    "{got} sets of columns for {textures} textures: give one for each"
                 )
             }
         }

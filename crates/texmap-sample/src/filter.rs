@@ -128,12 +128,14 @@ pub(crate) trait FilterKernel {
     fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32) -> Color<I>;
 }
 
-/// A filter of one cell or two whose addresses are found for a run of vectors, before the first texel is read.
-pub(crate) trait CellKernel: FilterKernel {
+/// A filter of one cell or two whose addresses are found for a run of vectors, before the first texel is read. The cells of one texture
+/// serve all that share its geometry: see [`BoundTexture::shares_cells`].
+pub(crate) trait CellKernel {
+    const INPUT: Input;
     /// The cells of a vector.
     type Cells: Copy;
     const ZERO: Self::Cells;
-    /// Puts the cells of a vector's coordinates into `cells`.
+    /// Puts the cells of a vector's coordinates into `cells`, with addresses in the words of the view.
     fn find<I: Isa>(
         i: I,
         view: &BoundTexture<'_>,
@@ -141,8 +143,10 @@ pub(crate) trait CellKernel: FilterKernel {
         lod: I::F32,
         cells: &mut Self::Cells,
     );
-    /// [`color`](FilterKernel::color) from the cells of the same look-ups.
-    fn color_of<I: Isa>(
+    /// Turns addresses of the other format of one or two words a texel into those of `format`.
+    fn readdress<I: Isa>(i: I, cells: &mut Self::Cells, format: u8);
+    /// [`color`](FilterKernel::color) of the kernel for `FORMAT`, the view's, from the cells of the same look-ups.
+    fn color_of<I: Isa, const FORMAT: u8>(
         i: I,
         view: &BoundTexture<'_>,
         at: &LookUp<I>,
@@ -173,7 +177,8 @@ pub(crate) trait ByteKernel {
 pub(crate) trait Run {
     type Out;
     fn color<K: FilterKernel>(self) -> Self::Out;
-    fn cells<K: CellKernel>(self) -> Self::Out;
+    /// `F` for one look-up, `K` for batches.
+    fn cells<F: FilterKernel, K: CellKernel>(self) -> Self::Out;
     fn bytes<K: ByteKernel>(self) -> Self::Out;
 }
 
@@ -191,11 +196,13 @@ pub(crate) fn run<R: Run>(kind: Kernel, format: u8, has_footprint: bool, run: R)
         (RGBA8, Anisotropic) => run.bytes::<rgba8::anisotropic::Anisotropic>(),
         (RGBA8, Gl) => run.bytes::<rgba8::gl::Gl>(),
         (RGBA8, _) => run.bytes::<rgba8::trilinear::Trilinear>(),
-        (RGBA8_EXACT, Bilinear) => run.cells::<bilinear::Bilinear<RGBA8_EXACT>>(),
-        (RGBA8_EXACT, Trilinear) => run.cells::<trilinear::Trilinear<RGBA8_EXACT>>(),
+        (RGBA8_EXACT, Bilinear) => run.cells::<bilinear::Bilinear<RGBA8_EXACT>, bilinear::Cells>(),
+        (RGBA8_EXACT, Trilinear) => {
+            run.cells::<trilinear::Trilinear<RGBA8_EXACT>, trilinear::Cells>()
+        }
         (RGBA16, Nearest) => run.color::<nearest::Nearest<RGBA16>>(),
-        (RGBA16, Bilinear) => run.cells::<bilinear::Bilinear<RGBA16>>(),
-        (RGBA16, Trilinear) => run.cells::<trilinear::Trilinear<RGBA16>>(),
+        (RGBA16, Bilinear) => run.cells::<bilinear::Bilinear<RGBA16>, bilinear::Cells>(),
+        (RGBA16, Trilinear) => run.cells::<trilinear::Trilinear<RGBA16>, trilinear::Cells>(),
         (_, Anisotropic) => run.color::<anisotropic::Anisotropic>(),
         (_, Bicubic(_)) => run.color::<bicubic::Bicubic>(),
         (_, Ewa) => run.color::<ewa::Ewa>(),
@@ -265,8 +272,8 @@ impl Run for Single<'_> {
     }
 
     #[inline(always)]
-    fn cells<K: CellKernel>(self) -> [f32; 4] {
-        self.color::<K>()
+    fn cells<F: FilterKernel, K: CellKernel>(self) -> [f32; 4] {
+        self.color::<F>()
     }
 
     #[inline(always)]

@@ -31,7 +31,7 @@
 //! # Ok::<(), texmap_sample::SampleError>(())
 //! ```
 
-pub use crate::batch::sample_bound_soa;
+pub use crate::batch::{JointTextures, sample_bound_soa};
 pub use crate::bound_texture::{
     ANY, BLOCKS, BoundTexture, RGBA8, RGBA8_EXACT, RGBA16, SCALAR_FETCH,
 };

@@ -7,6 +7,7 @@ mod dependent;
 mod encoded;
 mod filters;
 mod hostile;
+mod joint;
 mod lanes;
 mod lengths;
 mod levels;

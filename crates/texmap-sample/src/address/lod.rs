@@ -82,7 +82,7 @@ pub(crate) fn tame<I: Isa>(i: I, x: I::F32) -> I::F32 {
 }
 
 /// Bias and limits of levels of detail.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LodRange {
     pub(crate) bias: f32,
     pub(crate) min: f32,

@@ -1,7 +1,7 @@
 //! Addresses of texels in memory.
 
 use super::wrap::fraction;
-use crate::bound_texture::{ANY, BLOCKS, BoundTexture, RGBA16};
+use crate::bound_texture::{ANY, BLOCKS, BoundTexture, EXACT_WORDS, RGBA16};
 use texmap_math::{
     lanes::GatherTable,
     simd::{Isa, prelude::*},
@@ -94,7 +94,7 @@ impl<I: Isa> LaneLevel<I> {
     pub(crate) fn word<const FORMAT: u8>(&self, view: &BoundTexture<'_>, texel: I::I32) -> I::U32 {
         let word = match FORMAT {
             RGBA16 => texel << 1,
-            ANY => texel << u32::from(view.format == RGBA16),
+            ANY | EXACT_WORDS => texel << u32::from(view.format == RGBA16),
             _ => texel,
         };
         (word + self.offset).to_u32()

@@ -26,7 +26,7 @@ pub(crate) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 pub(crate) const REACH: f32 = 4_194_304.0;
 
 /// One axis of a texture under a wrap mode.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Axis {
     pub(crate) wrap: Wrap,
     /// Repeat over a power of two: scaling is exact, so it comes first and the wrap is a mask.

@@ -3,7 +3,7 @@
 use super::{PART, Places};
 use crate::{
     address::lod::TexelFootprint,
-    bound_texture::{BoundTexture, RGBA8},
+    bound_texture::{BoundTexture, RGBA8, RGBA8_EXACT, RGBA16},
     filter::{ByteKernel, CellKernel, FilterKernel, Input, LookUp, Run, Single, cell::RUN, run},
     rgba8,
     sampler::Sampler,
@@ -53,6 +53,21 @@ impl<'a> Batch<'a> {
             let out = out.each_mut().map(|c| &mut c[first..first + count]);
             dispatch_simd!(level, i => unpack_columns(i, &words[..count], out));
         }
+    }
+
+    /// Colours of textures that share cells, the first of them that of the batch: columns of the batch's length for each.
+    pub(super) fn joint_columns(
+        &self,
+        level: Level,
+        views: &[BoundTexture<'_>],
+        outs: &mut [[&mut [f32]; 4]],
+    ) {
+        self.run(JointColumns {
+            batch: self,
+            level,
+            views,
+            outs,
+        });
     }
 
     /// Colours as packed bytes.
@@ -167,14 +182,69 @@ impl Run for Columns<'_> {
         dispatch_simd!(level, i => color_columns::<_, K>(i, batch, out));
     }
 
-    fn cells<K: CellKernel>(self) {
+    fn cells<F: FilterKernel, K: CellKernel>(self) {
         let Self { batch, level, out } = self;
-        dispatch_simd!(level, i => cell_columns::<_, K>(i, batch, out));
+        dispatch_simd!(level, i => cell_columns::<_, F, K>(i, batch, out));
     }
 
     fn bytes<K: ByteKernel>(self) {
         self.batch.columns(self.level, self.out);
     }
+}
+
+/// A batch into columns of several textures that share cells.
+struct JointColumns<'a, 'o> {
+    batch: &'a Batch<'a>,
+    level: Level,
+    views: &'a [BoundTexture<'a>],
+    outs: &'a mut [[&'o mut [f32]; 4]],
+}
+
+impl Run for JointColumns<'_, '_> {
+    type Out = ();
+
+    fn color<K: FilterKernel>(self) {
+        self.apart();
+    }
+
+    fn cells<F: FilterKernel, K: CellKernel>(self) {
+        let (batch, views, outs) = (self.batch, self.views, &mut *self.outs);
+        if !dispatch_simd!(self.level, i => joint_cells::<_, K>(i, batch, views, outs)) {
+            self.apart();
+        }
+    }
+
+    fn bytes<K: ByteKernel>(self) {
+        self.apart();
+    }
+}
+
+impl JointColumns<'_, '_> {
+    /// One texture after the other.
+    fn apart(self) {
+        for (view, out) in self.views.iter().zip(self.outs) {
+            let batch = Batch {
+                view,
+                ..*self.batch
+            };
+            batch.columns(self.level, out.each_mut().map(|column| &mut **column));
+        }
+    }
+}
+
+/// False, with nothing done, where a level has no cells or the batch is shorter than a vector.
+#[inline(always)]
+fn joint_cells<I: Isa, K: CellKernel>(
+    i: I,
+    batch: &Batch<'_>,
+    views: &[BoundTexture<'_>],
+    outs: &mut [[&mut [f32]; 4]],
+) -> bool {
+    let some = I::LANES > 1 && batch.at.u.len() >= I::LANES;
+    if some {
+        cell_vectors::<I, K>(i, batch, views, outs);
+    }
+    some
 }
 
 /// A batch into packed bytes.
@@ -200,8 +270,8 @@ impl Run for Words<'_> {
         }
     }
 
-    fn cells<K: CellKernel>(self) {
-        self.color::<K>();
+    fn cells<F: FilterKernel, K: CellKernel>(self) {
+        self.color::<F>();
     }
 
     fn bytes<K: ByteKernel>(self) {
@@ -243,45 +313,89 @@ fn color_columns<I: Isa, K: FilterKernel>(i: I, batch: &Batch<'_>, mut out: [&mu
     });
 }
 
-/// See [`color_columns`].
-#[inline(never)]
-fn cell_columns<I: Isa, K: CellKernel>(i: I, batch: &Batch<'_>, out: [&mut [f32]; 4]) {
+#[inline(always)]
+fn cell_columns<I: Isa, F: FilterKernel, K: CellKernel>(
+    i: I,
+    batch: &Batch<'_>,
+    out: [&mut [f32]; 4],
+) {
     if const { I::LANES == 1 } {
-        return color_columns::<I, K>(i, batch, out);
+        return color_columns::<I, F>(i, batch, out);
     }
-    batch.in_vectors::<I, _, 4>(out, |batch, mut out| {
-        i.vectorize(
-            #[inline(always)]
-            || {
-                let (view, count) = (batch.view, batch.at.u.len());
-                let mut cells = [K::ZERO; RUN];
-                let mut lod = batch.lod(i, 0, K::INPUT);
-                for start in (0..count).step_by(RUN * I::LANES) {
-                    let mut first = start;
-                    for cells in &mut cells {
-                        if first >= count {
-                            break;
-                        }
-                        let next = vector_start::<I>(first + I::LANES, count);
-                        let ahead = batch.lod(i, next, K::INPUT);
-                        let at = batch.look_up(i, vector_start::<I>(first, count), K::INPUT);
-                        K::find(i, view, &at, lod, cells);
-                        (first, lod) = (first + I::LANES, ahead);
+    batch.in_vectors::<I, _, 4>(out, |batch, out| {
+        cell_vectors::<I, K>(i, batch, core::slice::from_ref(batch.view), &mut [out]);
+    });
+}
+
+/// Looks a batch of at least as many coordinates as there are lanes up in textures that share cells, which are found in the first. See
+/// [`color_columns`].
+#[inline(never)]
+fn cell_vectors<I: Isa, K: CellKernel>(
+    i: I,
+    batch: &Batch<'_>,
+    views: &[BoundTexture<'_>],
+    outs: &mut [[&mut [f32]; 4]],
+) {
+    i.vectorize(
+        #[inline(always)]
+        || {
+            let Some(first_view) = views.first() else {
+                return;
+            };
+            let count = batch.at.u.len();
+            let mut cells = [K::ZERO; RUN];
+            let mut lod = batch.lod(i, 0, K::INPUT);
+            for start in (0..count).step_by(RUN * I::LANES) {
+                let mut first = start;
+                for cells in &mut cells {
+                    if first >= count {
+                        break;
                     }
-                    first = start;
-                    for cells in &cells {
-                        if first >= count {
-                            break;
+                    let next = vector_start::<I>(first + I::LANES, count);
+                    let ahead = batch.lod(i, next, K::INPUT);
+                    let at = batch.look_up(i, vector_start::<I>(first, count), K::INPUT);
+                    K::find(i, first_view, &at, lod, cells);
+                    (first, lod) = (first + I::LANES, ahead);
+                }
+                let mut format = first_view.format;
+                for (view, out) in views.iter().zip(&mut *outs) {
+                    if view.format != format {
+                        format = view.format;
+                        for cells in &mut cells {
+                            K::readdress(i, cells, format);
                         }
-                        let from = vector_start::<I>(first, count);
-                        let at = batch.look_up(i, from, K::INPUT);
-                        store_columns(i, K::color_of(i, view, &at, cells), from, &mut out);
-                        first += I::LANES;
+                    }
+                    if format == RGBA16 {
+                        run_colors::<I, K, RGBA16>(i, batch, view, (start, &cells), out);
+                    } else {
+                        run_colors::<I, K, RGBA8_EXACT>(i, batch, view, (start, &cells), out);
                     }
                 }
-            },
-        );
-    });
+            }
+        },
+    );
+}
+
+/// The colours of a run's cells, which begin with look-up `start`.
+#[inline(always)]
+fn run_colors<I: Isa, K: CellKernel, const FORMAT: u8>(
+    i: I,
+    batch: &Batch<'_>,
+    view: &BoundTexture<'_>,
+    (start, cells): (usize, &[K::Cells; RUN]),
+    out: &mut [&mut [f32]; 4],
+) {
+    let (count, mut first) = (batch.at.u.len(), start);
+    for cells in cells {
+        if first >= count {
+            break;
+        }
+        let from = vector_start::<I>(first, count);
+        let at = batch.look_up(i, from, K::INPUT);
+        let c = K::color_of::<I, FORMAT>(i, view, &at, cells);
+        store_columns(i, c, from, out);
+        first += I::LANES;
+    }
 }
 
 /// See [`color_columns`].

@@ -22,33 +22,44 @@ impl<const FORMAT: u8> FilterKernel for Bilinear<FORMAT> {
     }
 }
 
-impl<const FORMAT: u8> CellKernel for Bilinear<FORMAT> {
-    type Cells = (Cell, bool);
-    const ZERO: (Cell, bool) = (Cell::ZERO, false);
+/// [`Bilinear`] by cells.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cells {
+    cell: Cell,
+    /// False if texels must be read one by one.
+    paired: bool,
+}
+
+impl CellKernel for Cells {
+    const INPUT: Input = Input::Coordinates;
+    type Cells = Self;
+    const ZERO: Self = Self {
+        cell: Cell::ZERO,
+        paired: false,
+    };
 
     #[inline(always)]
-    fn find<I: Isa>(
-        i: I,
-        view: &BoundTexture<'_>,
-        at: &LookUp<I>,
-        _: I::F32,
-        (cell, paired): &mut (Cell, bool),
-    ) {
+    fn find<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32, cells: &mut Self) {
         let level = LaneLevel::uniform(i, view, 0);
-        *paired = cell.find::<I, FORMAT>(i, view, &level, at.uv);
+        cells.paired = cells.cell.find(i, view, &level, at.uv);
     }
 
     #[inline(always)]
-    fn color_of<I: Isa>(
+    fn readdress<I: Isa>(i: I, cells: &mut Self, format: u8) {
+        cells.cell.readdress(i, format);
+    }
+
+    #[inline(always)]
+    fn color_of<I: Isa, const FORMAT: u8>(
         i: I,
         view: &BoundTexture<'_>,
         at: &LookUp<I>,
-        (cell, paired): &(Cell, bool),
+        cells: &Self,
     ) -> Color<I> {
-        if !paired {
-            return Self::color(i, view, at, i.f32(0.0));
+        if !cells.paired {
+            return Bilinear::<FORMAT>::color(i, view, at, i.f32(0.0));
         }
-        scaled::<I>(cell.color::<I, FORMAT>(i, view), view)
+        scaled::<I>(cells.cell.color::<I, FORMAT>(i, view), view)
     }
 }
 

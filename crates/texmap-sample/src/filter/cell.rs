@@ -2,7 +2,7 @@
 
 use crate::{
     address::texel::{Corners, LaneLevel},
-    bound_texture::BoundTexture,
+    bound_texture::{BoundTexture, EXACT_WORDS, RGBA16},
     fetch::{Color, fetch_two_at, mix_four},
 };
 use texmap_math::simd::{Isa, prelude::*};
@@ -27,7 +27,7 @@ impl Cell {
 
     /// Puts the cells of coordinates on a level here. False if the texels of a row are not next to each other in all lanes.
     #[inline(always)]
-    pub(crate) fn find<I: Isa, const FORMAT: u8>(
+    pub(crate) fn find<I: Isa>(
         &mut self,
         i: I,
         view: &BoundTexture<'_>,
@@ -36,7 +36,7 @@ impl Cell {
     ) -> bool {
         let [x, y] = level.scale(i, view, uv);
         let (at, [wx, wy]) = super::bilinear::cell::<I>([x - 0.5, y - 0.5]);
-        let Corners::Pairs([top, bottom]) = level.corners::<FORMAT>(i, view, at) else {
+        let Corners::Pairs([top, bottom]) = level.corners::<EXACT_WORDS>(i, view, at) else {
             return false;
         };
         top.store(&mut self.words[0]);
@@ -44,6 +44,16 @@ impl Cell {
         wx.store(&mut self.weights[0]);
         wy.store(&mut self.weights[1]);
         true
+    }
+
+    /// Turns addresses of the other format of one or two words a texel into those of `format`.
+    #[inline(always)]
+    pub(crate) fn readdress<I: Isa>(&mut self, i: I, format: u8) {
+        for words in &mut self.words {
+            let at = i.load_u32(words);
+            let at = if format == RGBA16 { at << 1 } else { at >> 1 };
+            at.store(words);
+        }
     }
 
     /// Unscaled.

@@ -22,7 +22,7 @@ impl<const FORMAT: u8> FilterKernel for Trilinear<FORMAT> {
     }
 }
 
-/// The cells of a vector on one level or two.
+/// [`Trilinear`] by cells: those of a vector on one level or two.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cells {
     fine: Cell,
@@ -35,9 +35,10 @@ pub(crate) struct Cells {
     blends: bool,
 }
 
-impl<const FORMAT: u8> CellKernel for Trilinear<FORMAT> {
-    type Cells = Cells;
-    const ZERO: Cells = Cells {
+impl CellKernel for Cells {
+    const INPUT: Input = Input::Level;
+    type Cells = Self;
+    const ZERO: Self = Self {
         fine: Cell::ZERO,
         coarse: Cell::ZERO,
         lod: [0.0; 16],
@@ -47,23 +48,32 @@ impl<const FORMAT: u8> CellKernel for Trilinear<FORMAT> {
     };
 
     #[inline(always)]
-    fn find<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32, cells: &mut Cells) {
+    fn find<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32, cells: &mut Self) {
         let levels = LevelPair::new(i, view, lod);
-        let fine = &mut cells.fine;
-        cells.paired = fine.find::<I, FORMAT>(i, view, &levels.fine, at.uv)
-            && (!levels.blends
-                || cells
-                    .coarse
-                    .find::<I, FORMAT>(i, view, &levels.coarse, at.uv));
+        cells.paired = cells.fine.find(i, view, &levels.fine, at.uv)
+            && (!levels.blends || cells.coarse.find(i, view, &levels.coarse, at.uv));
         cells.blends = levels.blends;
         levels.weight.store(&mut cells.weight);
         lod.store(&mut cells.lod);
     }
 
     #[inline(always)]
-    fn color_of<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, cells: &Cells) -> Color<I> {
+    fn readdress<I: Isa>(i: I, cells: &mut Self, format: u8) {
+        cells.fine.readdress(i, format);
+        if cells.blends {
+            cells.coarse.readdress(i, format);
+        }
+    }
+
+    #[inline(always)]
+    fn color_of<I: Isa, const FORMAT: u8>(
+        i: I,
+        view: &BoundTexture<'_>,
+        at: &LookUp<I>,
+        cells: &Self,
+    ) -> Color<I> {
         if !cells.paired {
-            return Self::color(i, view, at, i.load_f32(&cells.lod));
+            return Trilinear::<FORMAT>::color(i, view, at, i.load_f32(&cells.lod));
         }
         let c = cells.fine.color::<I, FORMAT>(i, view);
         if !cells.blends {
