@@ -3,6 +3,7 @@
 mod alpha_test;
 pub(crate) mod effects;
 mod light_stage;
+mod maps;
 mod shader;
 mod space;
 mod surface;
@@ -229,7 +230,7 @@ mod tests {
         })
     }
 
-    /// Surfaces that read a few columns of vectors and the texels of a pair, and those that read all of their attributes.
+    /// Surfaces that read a few columns of vectors and the texels of a set, and those that read all of their attributes.
     #[test]
     fn plain_lit_surfaces_read_few_columns() {
         let is_short = |material: Material| {
@@ -263,14 +264,34 @@ mod tests {
             }),
             ..Material::default()
         };
+        let metallic = |map: Option<TextureSlot>| Material {
+            metallic_roughness: Some(texmap_scene::MetallicRoughness {
+                map: map.clone(),
+                ..Default::default()
+            }),
+            emission: Some(texmap_scene::Emission {
+                color: [1.0; 3],
+                map,
+            }),
+            ..Material::default()
+        };
         for material in [
             Material::default(),
             with(normals(false)),
             with(normals(true)),
             baked,
+            metallic(slot(Filter::Trilinear)),
         ] {
             assert!(is_short(material));
         }
+        // Maps that a stage reads itself: under a transform here.
+        let turned = slot(Filter::Trilinear).map(|slot| TextureSlot {
+            transform: texmap_sample::UvTransform {
+                scale: [2.0, 1.0],
+                ..Default::default()
+            },
+            ..slot
+        });
         let bump = texmap_scene::NormalDetail::Bump {
             slot: slot(Filter::Bilinear).unwrap(),
             height: 0.1,
@@ -284,7 +305,7 @@ mod tests {
             texture_role: TextureRole::Decal,
             ..Material::default()
         };
-        for material in [with(bump), blended, decal] {
+        for material in [with(bump), blended, decal, metallic(turned)] {
             assert!(!is_short(material));
         }
     }

@@ -6,9 +6,10 @@ use texmap_raster::Varyings;
 
 use crate::Slot;
 use crate::batch::{Colors, LANES, columns, load_vector, parts, straight};
-use crate::fetch::{PackedTexels, Texels, footprint_at};
+use crate::fetch::{Texels, footprint_at};
 use crate::solid::SolidStage;
 use crate::stage::{Inputs, Kernel, ShadeColumns};
+use crate::texture_set::BASE_COLOR;
 use texmap_scene::AlphaMode;
 
 /// The base color of a surface.
@@ -19,7 +20,7 @@ pub struct BaseColor<'a> {
     /// The base color map.
     pub texture: Option<&'a Slot<'a>>,
     /// The base color is one color, or an opaque texture that is read at the coordinates of the vertices: see
-    /// [`TexturePair`](crate::fetch::TexturePair).
+    /// [`TextureSet`](crate::texture_set::TextureSet).
     pub paired: bool,
     /// Every texel is opaque.
     pub opaque_texels: bool,
@@ -57,7 +58,7 @@ impl BaseColor<'_> {
             && (self.texture.is_some() || self.decal.is_some() || self.opacity_map.is_some())
     }
 
-    /// Reads the textures of the base colors of a batch, but for the texels of the pair.
+    /// Reads the textures of the base colors of a batch, but for the texels of the set.
     pub(crate) fn fetch(&self, inputs: &Inputs<'_>, out: &mut BaseTexels) {
         let (level, batch) = (inputs.level, inputs.batch);
         let blocks = batch.list.len();
@@ -94,12 +95,12 @@ impl BaseColor<'_> {
         }
     }
 
-    /// The texels of the pair, times the color.
+    /// The texels of the set, times the color.
     #[inline(always)]
-    pub(crate) fn of_pair<I: Isa>(&self, i: I, texels: &PackedTexels, at: usize) -> Vector<I> {
+    pub(crate) fn of_set<I: Isa>(&self, i: I, inputs: &Inputs<'_>, at: usize) -> Vector<I> {
         let [r, g, b] = match self.texture {
             Some(_) => {
-                let [r, g, b, _] = texels.load(i, at);
+                let [r, g, b, _] = inputs.textures[BASE_COLOR].load(i, at);
                 [r, g, b]
             }
             None => [i.f32(1.0); 3],
@@ -220,7 +221,7 @@ impl Kernel for BaseStage<'_> {
                 let color = base.tinted(i, values, at, splat(i, base.color));
                 (color, i.f32(1.0))
             } else if base.paired {
-                (base.of_pair(i, &inputs.pair[0], at), i.f32(1.0))
+                (base.of_set(i, inputs, at), i.f32(1.0))
             } else {
                 base.load(i, &out.base, values, at)
             };

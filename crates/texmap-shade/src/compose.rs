@@ -10,7 +10,7 @@ use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// Premultiplied colors from base colors and their light.
 pub struct Compose<'a> {
-    /// The base color, where no stage has stored it: its texels are those of the pair.
+    /// The base color, where no stage has stored it: its texels are those of the set.
     pub paired: Option<BaseColor<'a>>,
     /// `base * diffuse + highlight`; else the colors have their light already.
     pub lit: bool,
@@ -68,7 +68,7 @@ impl Kernel for Compose<'_> {
             let (at, one) = (part.at, i.f32(1.0));
             let [r, g, b, alpha] = match &self.paired {
                 Some(base) => {
-                    let [r, g, b] = base.of_pair(i, &inputs.pair[0], at);
+                    let [r, g, b] = base.of_set(i, inputs, at);
                     [r, g, b, one]
                 }
                 None => columns.color.load(i, at),

@@ -3,14 +3,12 @@
 
 use texmap_math::simd::Isa;
 use texmap_math::{Footprint, Level};
-use texmap_raster::{AttributePlanes, BATCH_STRIDE, FragmentBlock, TileVisibility, Varyings};
+use texmap_raster::{BATCH_STRIDE, Varyings};
 use texmap_sample::lanes::packed::unpack_lanes;
-use texmap_sample::lanes::{BoundTexture, sample_bound_soa};
 use texmap_sample::{Places, sample_dependent_soa, sample_soa};
 
 use crate::Slot;
 use crate::batch::{Colors, LANES, straight};
-use crate::texels::{Pixels, TexelAddresses, packed_view, read_pair};
 
 /// Columns 0 and 1 as coordinates to sample at, with the derivatives that the filter reads.
 pub(crate) fn pixel_samples<'a>(slot: &Slot<'_>, values: &'a Varyings, count: usize) -> Places<'a> {
@@ -124,114 +122,6 @@ impl PackedTexels {
             self.colors.load(i, at)
         }
     }
-}
-
-/// Two textures that are read at the coordinates of the vertices as they are: base color and normal map.
-#[derive(Default)]
-pub struct TexturePair<'a> {
-    slots: [Option<&'a Slot<'a>>; 2],
-    /// The textures of the slots.
-    bound: [Option<BoundTexture<'a>>; 2],
-    /// All of them, if all are packed.
-    views: Option<[Option<BoundTexture<'a>>; 2]>,
-    /// The mips of both are the same.
-    same_mips: bool,
-    /// True if some filter reads derivatives.
-    derivatives: bool,
-}
-
-impl<'a> TexturePair<'a> {
-    /// Base color and normal map: packed words if both have a packed form at the same coordinates.
-    pub fn new(slots: [Option<&'a Slot<'a>>; 2]) -> Self {
-        let views = slots.map(|slot| slot.map(|slot| packed_view(&slot.sampler, &slot.texture)));
-        // A slot without a view spoils it.
-        let views = match views {
-            [Some(None), _] | [_, Some(None)] => None,
-            [base, normal] => Some([base.flatten(), normal.flatten()]),
-        };
-        let same_mips = match (slots, &views) {
-            ([Some(base), Some(normal)], Some([Some(a), Some(b)])) => {
-                a.kind == b.kind && a.size() == b.size() && base.sampler.lod == normal.sampler.lod
-            }
-            _ => false,
-        };
-        let derivatives = slots.into_iter().flatten().any(Slot::reads_derivatives);
-        let bound =
-            slots.map(|slot| slot.and_then(|slot| BoundTexture::new(&slot.sampler, &slot.texture)));
-        Self {
-            slots,
-            bound,
-            views,
-            same_mips,
-            derivatives,
-        }
-    }
-
-    /// The same pair, read by [`sample_bound_soa`] whatever its filters are: it gives the same bits in more time.
-    pub fn unpacked(self) -> Self {
-        Self {
-            views: None,
-            ..self
-        }
-    }
-
-    /// True if both textures have mips of the same sizes and one level of detail serves both.
-    pub fn shares_mips(&self) -> bool {
-        self.same_mips
-    }
-
-    /// Reads the texels of a batch.
-    pub fn fetch(
-        &self,
-        level: Level,
-        planes: &AttributePlanes,
-        blocks: &TileVisibility,
-        batch: &[FragmentBlock],
-        scratch: &mut PairScratch,
-        out: &mut [PackedTexels; 2],
-    ) {
-        if self.slots.iter().all(Option::is_none) {
-            return;
-        }
-        let PairScratch { values, addresses } = scratch;
-        if let Some(views) = &self.views {
-            let pixels = Pixels::Blocks(planes, blocks);
-            let words = out.each_mut().map(|out| {
-                out.packed = true;
-                &mut out.words
-            });
-            read_pair(
-                level,
-                views,
-                self.same_mips,
-                &pixels,
-                batch,
-                addresses,
-                words,
-            );
-            return;
-        }
-        planes.values(level, blocks, batch, &[0, 1], self.derivatives, values);
-        let count = batch.len() * LANES;
-        for ((slot, view), out) in self.slots.iter().zip(&self.bound).zip(out) {
-            if let (Some(slot), Some(view)) = (slot, view) {
-                out.packed = false;
-                let (at, columns) = (
-                    pixel_samples(slot, values, count),
-                    out.colors.columns_mut(count),
-                );
-                sample_bound_soa(level, (&slot.sampler, view), &at, columns)
-                    .expect("the columns have one length");
-            }
-        }
-    }
-}
-
-/// Columns that a [`TexturePair`] reads.
-#[derive(Default)]
-pub struct PairScratch {
-    values: Varyings,
-    addresses: TexelAddresses,
 }
 
 #[cfg(test)]

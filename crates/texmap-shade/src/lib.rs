@@ -6,7 +6,7 @@
 //! it where the material has it. `read` reads its texture into `texels`; `lanes` is the kernel, a loop over `parts` of `batch.rs`. Another
 //! model of light replaces [`lighting::PhongLights`]; the visibility of a light is `LitBy::received` there.
 //!
-//! A stage reads [`stage::Inputs`]: vectors, coordinates, sides, texels of projectors and of the pair. These columns of
+//! A stage reads [`stage::Inputs`]: vectors, coordinates, sides, texels of projectors and of the texture set. These columns of
 //! [`stage::ShadeColumns`] go from stage to stage: `toward_eye` and `normal` (from [`vectors`], then the normal detail); `diffuse` and
 //! `highlight` (from the lights, then light map, material maps, reflections, ramp, emission); `color` (base color and alpha, then
 //! paint; the final color after [`compose`] and [`cover`]). `texels`, `uv`, `base` and `slopes` are for the stage that runs.
@@ -81,6 +81,7 @@ pub mod solid;
 pub mod stage;
 pub mod surface;
 pub mod texels;
+pub mod texture_set;
 pub mod unlit;
 pub mod vectors;
 pub mod volume;

@@ -7,6 +7,7 @@ use texmap_raster::BATCH_STRIDE;
 use crate::Slot;
 use crate::batch::{LANES, parts, straight};
 use crate::stage::{Inputs, Kernel, ShadeColumns, Stage};
+use crate::texture_set::MapSource;
 
 /// Baked light, added to the diffuse light.
 pub struct LightMap<'a> {
@@ -97,14 +98,14 @@ pub struct Emission<'a> {
     /// Emitted light, linear.
     pub color: [f32; 3],
     /// A map that multiplies it.
-    pub map: Option<&'a Slot<'a>>,
+    pub map: MapSource<'a>,
     /// True if emitted light is added to the highlights; else it is added to the colors, which have their light already.
     pub under_light: bool,
 }
 
 impl Kernel for Emission<'_> {
     fn read(&self, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        if let Some(slot) = self.map {
+        if let MapSource::Own(slot) = self.map {
             columns.fetch(inputs, slot);
         }
     }
@@ -113,10 +114,14 @@ impl Kernel for Emission<'_> {
     fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
         for part in parts(i, inputs.batch.list) {
             let at = part.at;
-            let mut emitted = [i.f32(1.0); 3];
-            if self.map.is_some() {
-                emitted = columns.texels.straight(i, at);
-            }
+            let mut emitted = match self.map {
+                MapSource::None => [i.f32(1.0); 3],
+                MapSource::Own(_) => columns.texels.straight(i, at),
+                MapSource::Set(number) => {
+                    let [r, g, b, _] = inputs.textures[number].load(i, at);
+                    [r, g, b]
+                }
+            };
             for (emitted, color) in emitted.iter_mut().zip(self.color) {
                 *emitted = *emitted * color;
             }

@@ -9,9 +9,10 @@ use texmap_math::simd::{Isa, prelude::*};
 use crate::Slot;
 use crate::base_color::BaseColor;
 use crate::batch::{flip, load_vector, parts};
-use crate::fetch::Texels;
+use crate::fetch::{PackedTexels, Texels};
 use crate::lighting::LitBy;
 use crate::stage::{Inputs, Kernel, ShadeColumns};
+use crate::texture_set::MapSource;
 use texmap_scene::{MetallicRoughness, TextureSlot};
 
 /// The maps of a model, by their number in [`MetallicStage::maps`].
@@ -26,12 +27,12 @@ const SHEEN_ROUGHNESS: usize = 7;
 /// Maps of a metallic-roughness model, in the order of [`slots`].
 pub const METALLIC_MAPS: usize = 8;
 
-/// The textures of a model in the order of the stage.
+/// The textures of a model in the order of the stage; no occlusion where [`shares_occlusion`] says so.
 pub fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLIC_MAPS] {
     let (coat, sheen) = (model.clearcoat.as_ref(), model.sheen.as_ref());
     [
         model.map.as_ref(),
-        model.occlusion.as_ref().map(|(slot, _)| slot),
+        occlusion(model).filter(|_| !shares_occlusion(model)),
         model.specular_map.as_ref(),
         model.specular_color_map.as_ref(),
         coat.and_then(|coat| coat.map.as_ref()),
@@ -41,49 +42,63 @@ pub fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLIC_MAPS]
     ]
 }
 
+/// True if the occlusion of a model is the red channel of its first map, which is read once.
+fn shares_occlusion(model: &MetallicRoughness) -> bool {
+    model.map.is_some() && model.map.as_ref() == occlusion(model)
+}
+
+fn occlusion(model: &MetallicRoughness) -> Option<&TextureSlot> {
+    model.occlusion.as_ref().map(|(slot, _)| slot)
+}
+
+/// Texels of maps: those that the stage reads, and those of the set.
+struct Read<'a> {
+    own: &'a [Texels],
+    set: &'a [PackedTexels],
+}
+
 /// The numbers of a metallic-roughness surface.
 pub struct MetallicStage<'a> {
     pub(crate) model: &'a MetallicRoughness,
-    pub(crate) maps: [Option<&'a Slot<'a>>; METALLIC_MAPS],
+    pub(crate) maps: [MapSource<'a>; METALLIC_MAPS],
     /// Occlusion is the red channel of the first map, which is read once.
     pub(crate) shared_occlusion: bool,
     pub(crate) environment: Option<&'a EnvironmentLight>,
 }
 
 impl<'a> MetallicStage<'a> {
-    /// The model with its maps, bound in the order of [`slots`], and the environment that lights it.
+    /// The model with its maps, in the order of [`slots`], and the environment that lights it.
     pub fn new(
         model: &'a MetallicRoughness,
-        mut maps: [Option<&'a Slot<'a>>; METALLIC_MAPS],
+        maps: [MapSource<'a>; METALLIC_MAPS],
         environment: Option<&'a EnvironmentLight>,
     ) -> Self {
-        let [roughness, occlusion, ..] = slots(model);
-        let shared_occlusion = occlusion.is_some() && roughness == occlusion;
-        if shared_occlusion {
-            maps[OCCLUSION] = None;
-        }
         Self {
             model,
             maps,
-            shared_occlusion,
+            shared_occlusion: shares_occlusion(model),
             environment,
         }
     }
 
     /// The straight color of a map from pixel `at` on, if there is the map.
     #[inline(always)]
-    fn texel<I: Isa>(&self, i: I, at: usize, read: &[Texels], map: usize) -> Option<Vector<I>> {
-        match (self.maps[map], read.get(map)) {
-            (Some(_), Some(texels)) => Some(texels.straight(i, at)),
+    fn texel<I: Isa>(&self, i: I, at: usize, read: &Read<'_>, map: usize) -> Option<Vector<I>> {
+        match (self.maps[map], read.own.get(map)) {
+            (MapSource::Set(number), _) => {
+                let [r, g, b, _] = read.set[number].load(i, at);
+                Some([r, g, b])
+            }
+            (MapSource::Own(_), Some(texels)) => Some(texels.straight(i, at)),
             _ => None,
         }
     }
 
-    /// The alpha of a map, 1 without.
+    /// The alpha of a map, 1 without; maps of a set are opaque.
     #[inline(always)]
-    fn alpha<I: Isa>(&self, i: I, at: usize, read: &[Texels], map: usize) -> I::F32 {
-        match (self.maps[map], read.get(map)) {
-            (Some(_), Some(texels)) => texels.colors.load(i, at)[3],
+    fn alpha<I: Isa>(&self, i: I, at: usize, read: &Read<'_>, map: usize) -> I::F32 {
+        match (self.maps[map], read.own.get(map)) {
+            (MapSource::Own(_), Some(texels)) => texels.colors.load(i, at)[3],
             _ => i.f32(1.0),
         }
     }
@@ -94,7 +109,7 @@ impl<'a> MetallicStage<'a> {
         &self,
         i: I,
         at: usize,
-        read: &[Texels],
+        read: &Read<'_>,
         (map, channel): (usize, usize),
         factor: f32,
     ) -> I::F32 {
@@ -110,7 +125,7 @@ impl<'a> MetallicStage<'a> {
         &self,
         i: I,
         at: usize,
-        read: &[Texels],
+        read: &Read<'_>,
         base_color: Vector<I>,
     ) -> (MetallicRoughnessLanes<I>, I::F32) {
         let (model, one) = (self.model, i.f32(1.0));
@@ -170,7 +185,7 @@ impl<'a> MetallicStage<'a> {
 pub struct MetallicLight<'a> {
     /// Numbers and maps of the material.
     pub model: MetallicStage<'a>,
-    /// The base color, where no stage has stored it: its texels are those of the pair.
+    /// The base color, where no stage has stored it: its texels are those of the set.
     pub paired: Option<BaseColor<'a>>,
     /// The lights in the order of the scene.
     pub lights: Vec<LitBy<'a>>,
@@ -191,7 +206,7 @@ impl Kernel for MetallicLight<'_> {
         } = columns;
         metallic.resize_with(METALLIC_MAPS, Texels::default);
         for (slot, texels) in self.model.maps.iter().zip(metallic) {
-            if let Some(slot) = slot {
+            if let MapSource::Own(slot) = slot {
                 texels.fetch(level, slot, inputs.uv_of(slot), batch.list.len());
             }
         }
@@ -209,12 +224,16 @@ impl Kernel for MetallicLight<'_> {
             let at = part.at;
             let [r, g, b, alpha] = match &self.paired {
                 Some(base) => {
-                    let [r, g, b] = base.of_pair(i, &inputs.pair[0], at);
+                    let [r, g, b] = base.of_set(i, inputs, at);
                     [r, g, b, i.f32(1.0)]
                 }
                 None => columns.color.load(i, at),
             };
-            let (surface, share) = self.model.surface(i, at, &columns.metallic, [r, g, b]);
+            let read = Read {
+                own: &columns.metallic,
+                set: inputs.textures,
+            };
+            let (surface, share) = self.model.surface(i, at, &read, [r, g, b]);
             let normal = columns.normal.load(i, at);
             let mut smooth = normal;
             if self.bent && surface.clearcoat.is_some() {

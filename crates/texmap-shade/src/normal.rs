@@ -10,6 +10,7 @@ use crate::batch::{flip, load, load_changes, load_vector, parts};
 use crate::procedural::ProceduralBump;
 use crate::slopes::Rise;
 use crate::stage::{Inputs, Kernel, ShadeColumns};
+use crate::texture_set::NORMAL;
 
 /// The normal detail of a surface.
 pub enum NormalSource<'s> {
@@ -44,7 +45,7 @@ impl NormalSource<'_> {
 
 /// Normals by a normal map.
 pub struct MappedNormals<'a> {
-    /// `None` if the texels are the second of the pair: see [`TexturePair`](crate::fetch::TexturePair).
+    /// `None` if the texels are those of the set: see [`TextureSet`](crate::texture_set::TextureSet).
     pub slot: Option<&'a Slot<'a>>,
     /// Scale and conventions of its texels.
     pub map: NormalMap,
@@ -68,7 +69,7 @@ impl Kernel for MappedNormals<'_> {
             let texel = match self.slot {
                 Some(_) => columns.texels.straight(i, at),
                 None => {
-                    let [r, g, b, _] = inputs.pair[1].load(i, at);
+                    let [r, g, b, _] = inputs.textures[NORMAL].load(i, at);
                     [r, g, b]
                 }
             };

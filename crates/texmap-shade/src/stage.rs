@@ -49,8 +49,8 @@ pub struct Inputs<'a> {
     /// The blocks of the batch, without the pixels of those whose normals nothing asks for.
     pub(crate) reached: &'a [FragmentBlock],
     pub(crate) sides: &'a Sides,
-    /// Texels of the base color and of the normal map, where they are read as a pair.
-    pub(crate) pair: &'a [PackedTexels; 2],
+    /// Texels of the [`TextureSet`](crate::texture_set::TextureSet) of the surface, by their numbers.
+    pub(crate) textures: &'a [PackedTexels],
     /// Texels of the projectors of the lights, then of those that paint.
     pub projectors: &'a [ProjectorTexels],
 }

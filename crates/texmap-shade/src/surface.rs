@@ -6,9 +6,10 @@ use texmap_raster::{AttributePlanes, Varyings};
 use crate::batch::{Batch, Colors};
 use crate::coordinates::{Coordinates, UvScratch};
 use crate::facing::{FacingStage, Sides};
-use crate::fetch::{PackedTexels, PairScratch, TexturePair};
+use crate::fetch::PackedTexels;
 use crate::projector::{ProjectorStage, ProjectorTexels};
 use crate::stage::{Inputs, ShadeColumns, Stage};
+use crate::texture_set::{SetScratch, TextureSet};
 use crate::vectors::{VectorReader, VectorScratch};
 
 /// The stages of one surface.
@@ -19,8 +20,8 @@ pub struct SurfaceShader<'a> {
     pub uv: Option<&'a Coordinates>,
     /// First attribute of the second set of coordinates, where a stage reads some by them.
     pub second_uv: Option<usize>,
-    /// Textures that are read as a pair.
-    pub pair: TexturePair<'a>,
+    /// Textures that are read at the coordinates of the vertices, before the stages.
+    pub textures: TextureSet<'a>,
     /// Vectors that several stages read.
     pub vectors: VectorReader,
     /// The facing stage, if lights are computed per pixel.
@@ -41,8 +42,8 @@ pub struct SurfaceScratch {
     uv: Varyings,
     second_uv: Varyings,
     coordinates: UvScratch,
-    pair: PairScratch,
-    pair_texels: [PackedTexels; 2],
+    set: SetScratch,
+    set_texels: Vec<PackedTexels>,
     projectors: Vec<ProjectorTexels>,
     sides: Sides,
     columns: ShadeColumns,
@@ -61,15 +62,15 @@ impl SurfaceShader<'_> {
             uv,
             second_uv,
             coordinates,
-            pair,
-            pair_texels,
+            set,
+            set_texels,
             projectors,
             sides,
             columns,
         } = scratch;
         let level = self.level;
-        self.pair
-            .fetch(level, planes, batch.blocks, batch.list, pair, pair_texels);
+        self.textures
+            .fetch(level, planes, batch.blocks, batch.list, set, set_texels);
         let uv = match self.uv {
             Some(from) => from.columns(level, batch, coordinates, uv),
             None => batch.values,
@@ -92,7 +93,7 @@ impl SurfaceShader<'_> {
             vectors,
             reached,
             sides,
-            pair: pair_texels,
+            textures: set_texels,
             projectors,
         };
         for stage in &self.stages {

@@ -14,8 +14,9 @@ use texmap_sample::{ColorSpace, Filter, Origin, Precision, Sampler, Texture2d, W
 use texmap_scene::TextureSlot;
 use texmap_shade::Slot;
 use texmap_shade::batch::{LANES, set_bits};
-use texmap_shade::fetch::{PackedTexels, PairScratch, TexturePair};
+use texmap_shade::fetch::PackedTexels;
 use texmap_shade::projector::{Projected, ProjectorStage, ProjectorTexels};
+use texmap_shade::texture_set::{BASE_COLOR, NORMAL, SetScratch, TEXTURES, TextureSet};
 
 fn noise(width: u32, height: u32) -> Texture2d<'static> {
     bordered(width, height, 0)
@@ -103,16 +104,18 @@ fn packed_words_are_the_texels_of_the_general_fetches() {
                     let sampler = Cow::Owned(sampler(filter, wrap));
                     Slot::new(texture, sampler, &TextureSlot::new(0))
                 });
-                let packed = TexturePair::new(slots.each_ref().map(Some));
-                let general = TexturePair::new(slots.each_ref().map(Some)).unpacked();
+                let mut set = [None; TEXTURES];
+                [set[BASE_COLOR], set[NORMAL]] = slots.each_ref().map(Some);
+                let (packed, general) = (TextureSet::new(set), TextureSet::unpacked(set));
                 shared += u32::from(packed.shares_mips());
-                let mut scratch = PairScratch::default();
-                let mut words: [PackedTexels; 2] = Default::default();
-                let mut floats: [PackedTexels; 2] = Default::default();
+                let mut scratch = SetScratch::default();
+                let (mut words, mut floats) = (Vec::new(), Vec::new());
                 for batch in list.chunks(BATCH_PIXELS / LANES) {
                     packed.fetch(level, &planes, &blocks, batch, &mut scratch, &mut words);
                     general.fetch(level, &planes, &blocks, batch, &mut scratch, &mut floats);
-                    for (words, floats) in words.iter().zip(&floats) {
+                    for number in [BASE_COLOR, NORMAL] {
+                        let (words, floats): (&PackedTexels, &PackedTexels) =
+                            (&words[number], &floats[number]);
                         assert!(words.is_packed() && !floats.is_packed());
                         for (k, at) in batch.iter().enumerate() {
                             for bit in set_bits(at.mask) {

@@ -3,20 +3,19 @@
 use texmap_light::{Light, ShadowSampler, SpecularExponent};
 
 use super::effects::{AMBIENT, EXPONENT, MAPS, REFLECTIVITY, SPECULAR, SurfaceEffects};
+use super::maps::{SurfaceMaps, fits};
 use super::{Plan, Space, Surface};
 use crate::frame_resources::FrameResources;
-use texmap_scene::{AlphaMode, Material, MetallicRoughness, TextureRole, UvSet};
+use texmap_scene::{AlphaMode, Material, MetallicRoughness, TextureRole};
 use texmap_shade::Slot;
 use texmap_shade::base_color::{BaseColor, BaseColors, BaseStage};
 use texmap_shade::compose::{Compose, Display};
-use texmap_shade::coordinates::Coordinates;
 use texmap_shade::cover::{Cover, Projection};
 use texmap_shade::environment::Reflection;
 use texmap_shade::facing::FacingStage;
-use texmap_shade::fetch::TexturePair;
 use texmap_shade::light_maps::{AmbientMap, Emission, LightMap, LightRamp, SpecularMap};
 use texmap_shade::lighting::{LightStage, LitBy, PhongLights, VertexTerms};
-use texmap_shade::metallic::{METALLIC_MAPS, MetallicLight, MetallicStage};
+use texmap_shade::metallic::{MetallicLight, MetallicStage};
 use texmap_shade::normal::{BumpedNormals, MappedNormals, NormalSource};
 use texmap_shade::paint::Paint;
 use texmap_shade::projector::ProjectorStage;
@@ -24,6 +23,7 @@ use texmap_shade::sky::SkyStage;
 use texmap_shade::slopes::SlopeMap;
 use texmap_shade::stage::Stage;
 use texmap_shade::surface::SurfaceShader;
+use texmap_shade::texture_set::TextureSet;
 use texmap_shade::unlit::Unlit;
 use texmap_shade::vectors::{SmoothNormals, VectorReader};
 use texmap_shade::volume::VolumeStage;
@@ -106,29 +106,29 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     let maps = effects.map_or([None; MAPS], |effects| {
         effects.maps.each_ref().map(Option::as_ref)
     });
-    let metallic_maps = effects.is_some_and(|e| e.metallic.iter().any(Option::is_some));
+    let mut sources = SurfaceMaps::new([base.texture.filter(|_| base.paired), normal_map]);
+    if !(covers && hides_surface(&base)) {
+        sources = sources.with_others(surface, effects);
+    }
     let short = per_pixel
-        && !metallic_maps
+        && !sources.some_own()
         && base.paired
         && (detail.is_none() || normal_map.is_some())
         && maps.iter().all(Option::is_none)
         && surface.light_ramp.is_none()
-        && surface.emission.is_none()
         && (effects.is_none() || material.specular_map.is_none())
         && paint.projectors.is_empty();
-    let emission_map = surface.emission.as_ref().and_then(|(_, map)| map.as_ref());
     let by_map = |detail: &NormalSource<'_>| !matches!(detail, NormalSource::Procedural(_));
-    let reads_uv = metallic_maps
+    let reads_uv = sources.some_own()
         || base.reads_uv()
         || (detail.is_some_and(by_map) && normal_map.is_none())
-        || maps.iter().any(Option::is_some)
-        || emission_map.is_some();
+        || maps.iter().any(Option::is_some);
 
     SurfaceShader {
         level: plan.level,
         uv: reads_uv.then_some(&surface.uv),
         second_uv: surface.second_uv,
-        pair: TexturePair::new([base.texture.filter(|_| base.paired), normal_map]),
+        textures: TextureSet::new(sources.set),
         vectors: VectorReader {
             normal: surface.normal,
             position,
@@ -149,7 +149,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
             surface,
             base,
             (covers, normal_map.is_some()),
-            maps,
+            (maps, sources),
             lights,
             paint,
         ),
@@ -163,7 +163,7 @@ fn stages<'a>(
     surface: &'a Surface<'a>,
     base: BaseColor<'a>,
     (covers, paired_normals): (bool, bool),
-    maps: [Option<&'a Slot<'a>>; MAPS],
+    (maps, sources): ([Option<&'a Slot<'a>>; MAPS], SurfaceMaps<'a>),
     lights: Vec<LitBy<'a>>,
     paint: Paint<'a>,
 ) -> Stages<'a> {
@@ -196,6 +196,7 @@ fn stages<'a>(
                     plan,
                     surface,
                     (model, base, colors),
+                    sources,
                     lights,
                     paint,
                 );
@@ -220,10 +221,10 @@ fn stages<'a>(
     if !paired {
         out.push(Box::new(BaseStage { base, colors }));
     }
-    if let Some((color, map)) = &surface.emission {
+    if let Some((color, _)) = &surface.emission {
         out.push(Box::new(Emission {
             color: *color,
-            map: map.as_ref(),
+            map: sources.emission,
             under_light: lit,
         }));
     }
@@ -292,6 +293,7 @@ fn metallic<'a>(
     plan: &'a Plan<'a>,
     surface: &'a Surface<'a>,
     (model, base, colors): (&'a MetallicRoughness, BaseColor<'a>, BaseColors),
+    sources: SurfaceMaps<'a>,
     lights: Vec<LitBy<'a>>,
     paint: Paint<'a>,
 ) {
@@ -304,20 +306,17 @@ fn metallic<'a>(
         out.push(Box::new(paint));
     }
     let light_map = effects.and_then(|effects| effects.light_map.as_ref());
-    let maps = effects.map_or([None; METALLIC_MAPS], |effects| {
-        effects.metallic.each_ref().map(Option::as_ref)
-    });
     out.push(Box::new(MetallicLight {
-        model: MetallicStage::new(model, maps, plan.environment_light),
+        model: MetallicStage::new(model, sources.metallic, plan.environment_light),
         paired: paired.then_some(base),
         lights,
         light_map: light_map.map(|(map, slot, uv)| (map.scale, slot, *uv)),
         bent: effects.is_some_and(|effects| effects.normal.is_some()),
     }));
-    if let Some((color, map)) = &surface.emission {
+    if let Some((color, _)) = &surface.emission {
         out.push(Box::new(Emission {
             color: *color,
-            map: map.as_ref(),
+            map: sources.emission,
             under_light: false,
         }));
     }
@@ -487,11 +486,4 @@ fn lights<'a>(ready: &'a FrameResources<'a>, effects: &'a SurfaceEffects<'a>) ->
         }
     });
     lights.collect()
-}
-
-/// True if a texture is opaque and read at the coordinates of the vertices as they are.
-fn fits(surface: &Surface<'_>, slot: &Slot<'_>) -> bool {
-    let uv = matches!(surface.uv, Coordinates::Vertices);
-    let first = slot.uv_set == UvSet::First;
-    uv && first && !slot.is_transformed() && !slot.can_be_transparent()
 }
