@@ -198,11 +198,34 @@ pub(crate) fn fetch_corners<I: Isa, const FORMAT: u8>(
             fetch_two::<I, FORMAT>(i, view, top),
             fetch_two::<I, FORMAT>(i, view, bottom),
         ],
+        // Rare where texels come in pairs, and much code: out of line there. Probes are many, and often at the edges of small levels.
+        Corners::Apart(at) if i.has_pairs() && FORMAT != ANY => {
+            corners_apart::<I, FORMAT>(i, view, at)
+        }
         Corners::Apart([a, b, c, d]) => [
             [tap::<I, FORMAT>(i, view, a), tap::<I, FORMAT>(i, view, b)],
             [tap::<I, FORMAT>(i, view, c), tap::<I, FORMAT>(i, view, d)],
         ],
     }
+}
+
+/// Four texels, two of a row and two of the next, that do not lie side by side.
+#[inline(never)]
+fn corners_apart<I: Isa, const FORMAT: u8>(
+    i: I,
+    view: &BoundTexture<'_>,
+    at: [TexelAddress<I>; 4],
+) -> [[Color<I>; 2]; 2] {
+    i.vectorize(
+        #[inline(always)]
+        || {
+            let mut texels = [[[i.f32(0.0); 4]; 2]; 2];
+            for (texel, at) in texels.as_flattened_mut().iter_mut().zip(at) {
+                *texel = tap::<I, FORMAT>(i, view, at);
+            }
+            texels
+        },
+    )
 }
 
 /// `a + (b - a) w`: exact where both are equal. Alphas are those of `a` if all are one: 255 + 0 w.

@@ -30,30 +30,44 @@ pub(crate) fn load<I: Isa>(i: I, values: &[f32], first: usize) -> I::F32 {
 
 /// Runs `kernel` on columns of at least as many values as there are lanes: these, or if they are too short, copies in which the last
 /// value stands several times. Columns of no values are left alone.
+#[inline(always)]
 pub(crate) fn in_vectors<I: Isa, T: Copy + Default, const IN: usize, const OUT: usize>(
     columns: [&[f32]; IN],
-    out: [&mut [T]; OUT],
+    mut out: [&mut [T]; OUT],
     kernel: impl FnOnce([&[f32]; IN], [&mut [T]; OUT]),
 ) {
     let count = out[0].len();
-    if count >= I::LANES {
-        return kernel(columns, out);
-    }
     if count == 0 {
         return;
     }
+    let short = count < I::LANES;
     let mut whole = [[0.0; 16]; IN];
-    for (whole, values) in whole.iter_mut().zip(columns) {
-        whole.fill(values[count - 1]);
-        whole[..count].copy_from_slice(values);
-    }
     let mut results = [[T::default(); 16]; OUT];
-    let lanes = I::LANES;
-    kernel(
-        whole.each_ref().map(|c| &c[..lanes]),
-        results.each_mut().map(|c| &mut c[..lanes]),
-    );
-    for (out, results) in out.into_iter().zip(results) {
-        out.copy_from_slice(&results[..count]);
+    // One call, so that the kernel's code stands once.
+    let (given, to) = if short {
+        repeat_last(columns, &mut whole);
+        (
+            whole.each_ref().map(|c| &c[..I::LANES]),
+            results.each_mut().map(|c| &mut c[..I::LANES]),
+        )
+    } else {
+        (columns, out.each_mut().map(|c| &mut **c))
+    };
+    kernel(given, to);
+    if short {
+        for (out, results) in out.into_iter().zip(results) {
+            out.copy_from_slice(&results[..count]);
+        }
+    }
+}
+
+/// Copies of short columns, filled up with their last values.
+#[inline(never)]
+fn repeat_last<const IN: usize>(columns: [&[f32]; IN], whole: &mut [[f32; 16]; IN]) {
+    for (whole, values) in whole.iter_mut().zip(columns) {
+        if let Some(last) = values.last() {
+            whole.fill(*last);
+            whole[..values.len()].copy_from_slice(values);
+        }
     }
 }

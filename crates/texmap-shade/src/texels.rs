@@ -143,7 +143,7 @@ fn pair<I: ByteIsa>(
     for (k, (view, out)) in views.into_iter().zip(out).enumerate() {
         if let Some(view) = view {
             let mips = if same_mips { 0 } else { k };
-            texels(i, view, addresses, mips, 0..batch.len(), out);
+            texels(i, (view, view.kind), addresses, mips, 0..batch.len(), out);
         }
     }
 }
@@ -174,7 +174,7 @@ fn placed<I: ByteIsa>(
             addresses.put_mips(i, (0, view), at, dx.load(i, at), dy.load(i, at));
         }
     }
-    texels(i, view, addresses, 0, 0..blocks, out);
+    texels(i, (view, view.kind), addresses, 0, 0..blocks, out);
 }
 
 impl Pixels<'_> {
@@ -242,7 +242,7 @@ fn read<I: ByteIsa>(
     if !reads_mips(view) {
         let mut sink = Store::<false>::new(0, [None; 2], addresses);
         pixels.each::<_, false, _>(i, batch, &mut sink);
-        return texels(i, view, addresses, 0, 0..batch.len(), out);
+        return texels(i, (view, view.kind), addresses, 0, 0..batch.len(), out);
     }
     // Neither derivatives nor mips are computed where the bits do not depend on them.
     let mut magnified = Magnified::new(addresses.refusals);
@@ -257,60 +257,56 @@ fn read<I: ByteIsa>(
         if near {
             let mut sink = Store::<false>::new(first, [None; 2], addresses);
             pixels.each::<_, false, _>(i, part, &mut sink);
-            bilinear(i, view, addresses, first..end, out);
+            // As trilinear filters are on level 0.
+            texels(i, (view, Kernel::Bilinear), addresses, 0, first..end, out);
         } else {
             let mut sink = Store::<true>::new(first, [Some(view), None], addresses);
             pixels.each::<_, true, _>(i, part, &mut sink);
-            texels(i, view, addresses, 0, first..end, out);
+            texels(i, (view, view.kind), addresses, 0, first..end, out);
         }
         first = end;
     }
     addresses.refusals = magnified.refusals;
 }
 
-#[inline(always)]
+/// The texels of blocks whose coordinates and mips are stored. Out of line: filters are much code, and every reader has them.
+#[inline(never)]
 fn texels<I: ByteIsa>(
     i: I,
-    view: &BoundTexture<'_>,
+    (view, kind): (&BoundTexture<'_>, Kernel),
     addresses: &TexelAddresses,
     mips: usize,
     blocks: core::ops::Range<usize>,
     out: &mut [u32; BATCH_STRIDE],
 ) {
     let pixels = blocks.start * LANES..blocks.end * LANES;
-    match view.kind {
-        Kernel::Nearest => {
-            for at in pixels.step_by(I::LANES) {
-                let [u, v] = addresses.uv.load(i, at);
-                let word = packed::nearest_lanes(i, view, u, v);
-                word.store(&mut out[at..at + I::LANES]);
+    i.vectorize(
+        #[inline(always)]
+        || match kind {
+            Kernel::Nearest => {
+                for at in pixels.step_by(I::LANES) {
+                    let [u, v] = addresses.uv.load(i, at);
+                    let word = packed::nearest_lanes(i, view, u, v);
+                    word.store(&mut out[at..at + I::LANES]);
+                }
             }
-        }
-        Kernel::Bilinear => bilinear(i, view, addresses, blocks, out),
-        _ => {
-            for at in pixels.step_by(I::LANES) {
-                let [u, v] = addresses.uv.load(i, at);
-                let mip = i.load_i32(&addresses.mips[mips][at..at + I::LANES]);
-                let word = packed::trilinear_lanes(i, view, u, v, mip);
-                word.store(&mut out[at..at + I::LANES]);
+            Kernel::Bilinear => {
+                for at in pixels.step_by(I::LANES) {
+                    let [u, v] = addresses.uv.load(i, at);
+                    let word = packed::bilinear_lanes(i, view, u, v);
+                    word.store(&mut out[at..at + I::LANES]);
+                }
             }
-        }
-    }
-}
-
-#[inline(always)]
-fn bilinear<I: ByteIsa>(
-    i: I,
-    view: &BoundTexture<'_>,
-    addresses: &TexelAddresses,
-    blocks: core::ops::Range<usize>,
-    out: &mut [u32; BATCH_STRIDE],
-) {
-    for at in (blocks.start * LANES..blocks.end * LANES).step_by(I::LANES) {
-        let [u, v] = addresses.uv.load(i, at);
-        let word = packed::bilinear_lanes(i, view, u, v);
-        word.store(&mut out[at..at + I::LANES]);
-    }
+            _ => {
+                for at in pixels.step_by(I::LANES) {
+                    let [u, v] = addresses.uv.load(i, at);
+                    let mip = i.load_i32(&addresses.mips[mips][at..at + I::LANES]);
+                    let word = packed::trilinear_lanes(i, view, u, v, mip);
+                    word.store(&mut out[at..at + I::LANES]);
+                }
+            }
+        },
+    );
 }
 
 /// Number of refusals in a row after which only one block of [`SELDOM`] is tested. Few surfaces of small triangles are that near.
