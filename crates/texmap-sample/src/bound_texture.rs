@@ -221,8 +221,7 @@ impl<'a> BoundTexture<'a> {
         let (Some(texels), Some(others)) = (texels, others) else {
             return false;
         };
-        let same_level = |level: usize| {
-            let (a, b) = (&self.levels[level], &other.levels[level]);
+        let same_level = |(a, b): (&LevelView, &LevelView)| {
             (a.width, a.height, a.turn) == (b.width, b.height, b.turn)
                 && i64::from(a.offset) * others == i64::from(b.offset) * texels
         };
@@ -233,7 +232,7 @@ impl<'a> BoundTexture<'a> {
             && self.precision == other.precision
             && self.lod_range == other.lod_range
             && self.last == other.last
-            && (0..=self.last as usize).all(same_level)
+            && self.levels.iter().zip(&other.levels).all(same_level)
     }
 
     /// Columns and rows of level 0.

@@ -27,7 +27,8 @@ const SHEEN_ROUGHNESS: usize = 7;
 /// Maps of a metallic-roughness model, in the order of [`slots`].
 pub const METALLIC_MAPS: usize = 8;
 
-/// The textures of a model in the order of the stage; no occlusion where [`shares_occlusion`] says so.
+/// The textures of a model in the order of the stage; no occlusion where it is the red channel of the first, which is
+/// read once.
 pub fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLIC_MAPS] {
     let (coat, sheen) = (model.clearcoat.as_ref(), model.sheen.as_ref());
     [
