@@ -99,10 +99,7 @@ impl BaseColor<'_> {
     #[inline(always)]
     pub(crate) fn of_set<I: Isa>(&self, i: I, inputs: &Inputs<'_>, at: usize) -> Vector<I> {
         let [r, g, b] = match self.texture {
-            Some(_) => {
-                let [r, g, b, _] = inputs.textures[BASE_COLOR].load(i, at);
-                [r, g, b]
-            }
+            Some(_) => inputs.textures[BASE_COLOR].opaque(i, at),
             None => [i.f32(1.0); 3],
         };
         [r * self.color[0], g * self.color[1], b * self.color[2]]

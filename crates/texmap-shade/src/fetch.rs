@@ -122,6 +122,13 @@ impl PackedTexels {
             self.colors.load(i, at)
         }
     }
+
+    /// The colors of opaque texels from pixel `at` on.
+    #[inline(always)]
+    pub(crate) fn opaque<I: Isa>(&self, i: I, at: usize) -> [I::F32; 3] {
+        let [r, g, b, _] = self.load(i, at);
+        [r, g, b]
+    }
 }
 
 #[cfg(test)]

@@ -117,10 +117,7 @@ impl Kernel for Emission<'_> {
             let mut emitted = match self.map {
                 MapSource::None => [i.f32(1.0); 3],
                 MapSource::Own(_) => columns.texels.straight(i, at),
-                MapSource::Set(number) => {
-                    let [r, g, b, _] = inputs.textures[number].load(i, at);
-                    [r, g, b]
-                }
+                MapSource::Set(number) => inputs.textures[number].opaque(i, at),
             };
             for (emitted, color) in emitted.iter_mut().zip(self.color) {
                 *emitted = *emitted * color;

@@ -86,10 +86,7 @@ impl<'a> MetallicStage<'a> {
     #[inline(always)]
     fn texel<I: Isa>(&self, i: I, at: usize, read: &Read<'_>, map: usize) -> Option<Vector<I>> {
         match (self.maps[map], read.own.get(map)) {
-            (MapSource::Set(number), _) => {
-                let [r, g, b, _] = read.set[number].load(i, at);
-                Some([r, g, b])
-            }
+            (MapSource::Set(number), _) => Some(read.set[number].opaque(i, at)),
             (MapSource::Own(_), Some(texels)) => Some(texels.straight(i, at)),
             _ => None,
         }

@@ -68,10 +68,7 @@ impl Kernel for MappedNormals<'_> {
             let at = part.at;
             let texel = match self.slot {
                 Some(_) => columns.texels.straight(i, at),
-                None => {
-                    let [r, g, b, _] = inputs.textures[NORMAL].load(i, at);
-                    [r, g, b]
-                }
+                None => inputs.textures[NORMAL].opaque(i, at),
             };
             let back = part.mask(i, inputs.sides.back[part.index]);
             let normal = match &self.space {

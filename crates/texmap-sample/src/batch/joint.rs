@@ -1,6 +1,6 @@
 //! Several textures at the same coordinates: addresses and weights that they share are found once.
 
-use super::{Places, run::Batch, sample_bound_soa};
+use super::{Places, run::Batch};
 use crate::{bound_texture::BoundTexture, error::SampleError, sampler::Sampler};
 use alloc::{vec, vec::Vec};
 use texmap_math::Level;
@@ -55,7 +55,7 @@ impl<'a> JointTextures<'a> {
         shared
     }
 
-    /// [`sample_bound_soa`] in each texture, with the same bits: one entry of `outs` for each.
+    /// [`sample_bound_soa`](super::sample_bound_soa) in each texture, with the same bits: one entry of `outs` for each.
     ///
     /// # Errors
     /// Slices of different lengths, or another number of outputs.
@@ -68,10 +68,6 @@ impl<'a> JointTextures<'a> {
         let (textures, got) = (self.views.len(), outs.len());
         if textures != got {
             return Err(SampleError::Outputs { textures, got });
-        }
-        if let ([view], [out]) = (&self.views[..], &mut *outs) {
-            let out = out.each_mut().map(|column| &mut **column);
-            return sample_bound_soa(level, (self.sampler, view), at, out);
         }
         for column in outs.iter().flatten() {
             at.check(column.len())?;
