@@ -51,6 +51,9 @@ pub(crate) enum Verb {
     Mip(cmd::mip::MipArgs),
     #[cfg(feature = "gpu-images")]
     Compress(cmd::compress::CompressArgs),
+    #[cfg(not(feature = "gpu-images"))]
+    #[command(hide = true)]
+    Compress(cmd::left_out::CompressArgs),
     Stability(cmd::stability::StabilityArgs),
     Chart(cmd::chart::ChartArgs),
     Env(cmd::env::EnvArgs),
@@ -88,6 +91,8 @@ impl Verb {
             Self::Mip(a) => a.json,
             #[cfg(feature = "gpu-images")]
             Self::Compress(a) => a.json,
+            #[cfg(not(feature = "gpu-images"))]
+            Self::Compress(_) => false,
             Self::Chart(a) => a.json,
             Self::Env(a) => a.json,
             Self::Bake(a) => a.json,

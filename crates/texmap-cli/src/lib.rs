@@ -98,6 +98,8 @@ pub(crate) fn dispatch(verb: Verb) -> Result<Exit, Failure> {
         Verb::Mip(args) => cmd::mip::run(&args),
         #[cfg(feature = "gpu-images")]
         Verb::Compress(args) => cmd::compress::run(&args),
+        #[cfg(not(feature = "gpu-images"))]
+        Verb::Compress(args) => cmd::left_out::run(&args),
         Verb::Stability(args) => cmd::stability::run(&args),
         Verb::Chart(args) => cmd::chart::run(&args),
         Verb::Env(args) => cmd::env::run(&args),

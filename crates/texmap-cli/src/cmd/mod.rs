@@ -18,6 +18,8 @@ pub(crate) mod diff;
 pub(crate) mod env;
 pub(crate) mod hash;
 pub(crate) mod info;
+#[cfg(not(feature = "gpu-images"))]
+pub(crate) mod left_out;
 pub(crate) mod manual;
 pub(crate) mod merge;
 pub(crate) mod mip;

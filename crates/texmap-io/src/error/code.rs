@@ -32,6 +32,7 @@ impl IoError {
             Self::BadCamera { .. } => "bad-camera",
             Self::BadProjector { .. } => "bad-projector",
             Self::BrokenImage { .. } => "broken-image",
+            Self::ImageLeftOut { .. } => "image-left-out",
             Self::ImageSize { .. } => "image-size",
             Self::EnvironmentSize { .. } => "environment-size",
             Self::BadShape { .. } => "bad-shape",

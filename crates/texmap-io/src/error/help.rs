@@ -41,6 +41,7 @@ impl IoError {
             Self::BadCamera { .. } => "eye and look must differ, up must not point along the line of sight, and 0 < near < far".into(),
             Self::BadProjector { .. } => "its position and look must differ, and up must not be zero or point along the line of projection".into(),
             Self::BrokenImage { .. } => format!("the file is damaged or of a kind that is not read; write it again ({})", endings(crate::image_io::ENDINGS.iter().copied())),
+            Self::ImageLeftOut { feature, .. } => format!("build the program with `--features {feature}`, or write the image as .png"),
             Self::ImageSize { .. } => format!("textures have 1 to {} texels a side and {} in all", crate::image_io::MAX_SIDE, crate::image_io::MAX_TEXELS),
             Self::EnvironmentSize { chart, expected, .. } => format!("a {chart} map is {expected}; name the chart that the image is in, or convert it with `texmap env`"),
             Self::BadShape { .. } => "docs/SCENE_FORMAT.md says what the line takes, and from which sizes on it is refused".into(),

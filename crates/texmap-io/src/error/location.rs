@@ -42,6 +42,7 @@ impl IoError {
             | Self::Read { named_by, .. }
             | Self::OutsideRoot { named_by, .. }
             | Self::BrokenImage { named_by, .. }
+            | Self::ImageLeftOut { named_by, .. }
             | Self::ImageSize { named_by, .. }
             | Self::EnvironmentSize { named_by, .. }
             | Self::EmptyMesh { named_by, .. }

@@ -256,6 +256,18 @@ pub enum IoError {
         /// Message of the decoder.
         problem: String,
     },
+    /// An image of a format that a feature of this crate reads, in a build without it.
+    #[error("{}{}: this build reads no {format} images", line_of(.named_by), shown(.path))]
+    ImageLeftOut {
+        /// The image.
+        path: PathBuf,
+        /// The line that names it, if a file does.
+        named_by: Option<SourceLocation>,
+        /// Name of its format.
+        format: &'static str,
+        /// The feature, of this crate and of the program.
+        feature: &'static str,
+    },
     /// An image without texels, or larger than the limit.
     #[error("{}{}: image of {width} x {height} texels", line_of(.named_by), shown(.path))]
     ImageSize {

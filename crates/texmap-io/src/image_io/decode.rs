@@ -82,6 +82,14 @@ pub(super) fn decode_bytes(
         };
         return file.decode(fits);
     }
+    if let Some((format, feature)) = left_out(bytes) {
+        return Err(IoError::ImageLeftOut {
+            path: path.to_path_buf(),
+            named_by: named_by.cloned(),
+            format,
+            feature,
+        });
+    }
     // Decoders call a size of zero "broken"; say what it is.
     if let Some(size) = header_size(bytes) {
         fits(size)?;
@@ -121,6 +129,20 @@ pub(super) fn decode_bytes(
     let mut image = DynamicImage::from_decoder(decoder).map_err(|e| broken(e.to_string()))?;
     image.apply_orientation(orientation);
     Ok(image)
+}
+
+/// The format of a file that this build does not read, and the feature that reads it.
+fn left_out(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    let begins = |magic: &[u8]| bytes.starts_with(magic);
+    if cfg!(not(feature = "gpu-images")) && begins(b"DDS ") {
+        Some(("DDS", "gpu-images"))
+    } else if cfg!(not(feature = "gpu-images")) && begins(b"\xabKTX 20\xbb") {
+        Some(("KTX2", "gpu-images"))
+    } else if cfg!(not(feature = "tiff")) && (begins(b"II*\0") || begins(b"MM\0*")) {
+        Some(("TIFF", "tiff"))
+    } else {
+        None
+    }
 }
 
 /// Width and height that a file states before anything is decoded, if that is clear.
