@@ -130,28 +130,15 @@ pub(crate) trait FilterKernel {
 
 /// A filter of one cell or two whose addresses are found for a run of vectors, before the first texel is read. The cells of one texture
 /// serve all that share its geometry: see [`BoundTexture::shares_cells`].
-pub(crate) trait CellKernel {
+pub(crate) trait CellKernel: Copy {
     const INPUT: Input;
-    /// The cells of a vector.
-    type Cells: Copy;
-    const ZERO: Self::Cells;
-    /// Puts the cells of a vector's coordinates into `cells`, with addresses in the words of the view.
-    fn find<I: Isa>(
-        i: I,
-        view: &BoundTexture<'_>,
-        at: &LookUp<I>,
-        lod: I::F32,
-        cells: &mut Self::Cells,
-    );
+    const ZERO: Self;
+    /// Puts the cells of a vector of coordinates here, with addresses in the words of the view.
+    fn find<I: Isa>(&mut self, i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32);
     /// Turns addresses of the other format of one or two words a texel into those of `format`.
-    fn readdress<I: Isa>(i: I, cells: &mut Self::Cells, format: u8);
-    /// [`color`](FilterKernel::color) of the kernel for `FORMAT`, the view's, from the cells of the same look-ups.
-    fn color_of<I: Isa, const FORMAT: u8>(
-        i: I,
-        view: &BoundTexture<'_>,
-        at: &LookUp<I>,
-        cells: &Self::Cells,
-    ) -> Color<I>;
+    fn readdress<I: Isa>(&mut self, i: I, format: u8);
+    /// [`color`](FilterKernel::color) of the kernel for `FORMAT`, the view's, of the same look-ups.
+    fn color<I: Isa, const FORMAT: u8>(&self, i: I, view: &BoundTexture<'_>) -> Color<I>;
 }
 
 /// The part of a look-up that a filter reads.
@@ -196,12 +183,12 @@ pub(crate) fn run<R: Run>(kind: Kernel, format: u8, has_footprint: bool, run: R)
         (RGBA8, Anisotropic) => run.bytes::<rgba8::anisotropic::Anisotropic>(),
         (RGBA8, Gl) => run.bytes::<rgba8::gl::Gl>(),
         (RGBA8, _) => run.bytes::<rgba8::trilinear::Trilinear>(),
-        (RGBA8_EXACT, Bilinear) => run.cells::<bilinear::Bilinear<RGBA8_EXACT>, bilinear::Cells>(),
+        (RGBA8_EXACT, Bilinear) => run.cells::<bilinear::Bilinear<RGBA8_EXACT>, cell::Cell>(),
         (RGBA8_EXACT, Trilinear) => {
             run.cells::<trilinear::Trilinear<RGBA8_EXACT>, trilinear::Cells>()
         }
         (RGBA16, Nearest) => run.color::<nearest::Nearest<RGBA16>>(),
-        (RGBA16, Bilinear) => run.cells::<bilinear::Bilinear<RGBA16>, bilinear::Cells>(),
+        (RGBA16, Bilinear) => run.cells::<bilinear::Bilinear<RGBA16>, cell::Cell>(),
         (RGBA16, Trilinear) => run.cells::<trilinear::Trilinear<RGBA16>, trilinear::Cells>(),
         (_, Anisotropic) => run.color::<anisotropic::Anisotropic>(),
         (_, Bicubic(_)) => run.color::<bicubic::Bicubic>(),

@@ -326,6 +326,20 @@ impl<I: Isa> TexelAddress<I> {
         Self { word, sign }
     }
 
+    /// As one word, which is negative on the border.
+    #[inline(always)]
+    pub(crate) fn stored(&self, i: I) -> I::U32 {
+        self.outside()
+            .select(i.i32(-1), self.word.to_i32())
+            .to_u32()
+    }
+
+    /// Of a word as it was [`stored`](Self::stored).
+    #[inline(always)]
+    pub(crate) fn loaded(word: I::U32) -> Self {
+        Self::new(word, word.to_i32())
+    }
+
     /// Lanes that read the border instead of a texel.
     #[inline(always)]
     pub(crate) fn outside(&self) -> I::Mask {

@@ -344,31 +344,35 @@ fn cell_vectors<I: Isa, K: CellKernel>(
             };
             let count = batch.at.u.len();
             let mut cells = [K::ZERO; RUN];
-            let mut lod = batch.lod(i, 0, K::INPUT);
+            let mut lods = [[0.0; 16]; RUN];
             for start in (0..count).step_by(RUN * I::LANES) {
-                let mut first = start;
-                for cells in &mut cells {
+                // Levels of detail first: a logarithm is a long chain of operations, and those of a run are independent of each other.
+                if K::INPUT == Input::Level {
+                    for (k, lod) in lods.iter_mut().enumerate() {
+                        let first = vector_start::<I>(start + k * I::LANES, count);
+                        batch.lod(i, first, K::INPUT).store(lod);
+                    }
+                }
+                for (k, (cells, lod)) in cells.iter_mut().zip(&lods).enumerate() {
+                    let first = start + k * I::LANES;
                     if first >= count {
                         break;
                     }
-                    let next = vector_start::<I>(first + I::LANES, count);
-                    let ahead = batch.lod(i, next, K::INPUT);
                     let at = batch.look_up(i, vector_start::<I>(first, count), K::INPUT);
-                    K::find(i, first_view, &at, lod, cells);
-                    (first, lod) = (first + I::LANES, ahead);
+                    cells.find(i, first_view, &at, i.load_f32(lod));
                 }
                 let mut format = first_view.format;
                 for (view, out) in views.iter().zip(&mut *outs) {
                     if view.format != format {
                         format = view.format;
                         for cells in &mut cells {
-                            K::readdress(i, cells, format);
+                            cells.readdress(i, format);
                         }
                     }
                     if format == RGBA16 {
-                        run_colors::<I, K, RGBA16>(i, batch, view, (start, &cells), out);
+                        run_colors::<I, K, RGBA16>(i, view, (start, &cells), out);
                     } else {
-                        run_colors::<I, K, RGBA8_EXACT>(i, batch, view, (start, &cells), out);
+                        run_colors::<I, K, RGBA8_EXACT>(i, view, (start, &cells), out);
                     }
                 }
             }
@@ -380,20 +384,17 @@ fn cell_vectors<I: Isa, K: CellKernel>(
 #[inline(always)]
 fn run_colors<I: Isa, K: CellKernel, const FORMAT: u8>(
     i: I,
-    batch: &Batch<'_>,
     view: &BoundTexture<'_>,
-    (start, cells): (usize, &[K::Cells; RUN]),
+    (start, cells): (usize, &[K; RUN]),
     out: &mut [&mut [f32]; 4],
 ) {
-    let (count, mut first) = (batch.at.u.len(), start);
+    let (count, mut first) = (out[0].len(), start);
     for cells in cells {
         if first >= count {
             break;
         }
-        let from = vector_start::<I>(first, count);
-        let at = batch.look_up(i, from, K::INPUT);
-        let c = K::color_of::<I, FORMAT>(i, view, &at, cells);
-        store_columns(i, c, from, out);
+        let c = cells.color::<I, FORMAT>(i, view);
+        store_columns(i, c, vector_start::<I>(first, count), out);
         first += I::LANES;
     }
 }

@@ -1,6 +1,6 @@
 //! Four texels weighted by distance.
 
-use super::{CellKernel, FilterKernel, Input, LookUp, cell::Cell};
+use super::{FilterKernel, Input, LookUp};
 use crate::{
     address::texel::LaneLevel,
     bound_texture::BoundTexture,
@@ -19,47 +19,6 @@ impl<const FORMAT: u8> FilterKernel for Bilinear<FORMAT> {
     fn color<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32) -> Color<I> {
         let [u, v] = at.uv;
         level_0::<I, FORMAT>(i, view, u, v)
-    }
-}
-
-/// [`Bilinear`] by cells.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cells {
-    cell: Cell,
-    /// False if texels must be read one by one.
-    paired: bool,
-}
-
-impl CellKernel for Cells {
-    const INPUT: Input = Input::Coordinates;
-    type Cells = Self;
-    const ZERO: Self = Self {
-        cell: Cell::ZERO,
-        paired: false,
-    };
-
-    #[inline(always)]
-    fn find<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, _: I::F32, cells: &mut Self) {
-        let level = LaneLevel::uniform(i, view, 0);
-        cells.paired = cells.cell.find(i, view, &level, at.uv);
-    }
-
-    #[inline(always)]
-    fn readdress<I: Isa>(i: I, cells: &mut Self, format: u8) {
-        cells.cell.readdress(i, format);
-    }
-
-    #[inline(always)]
-    fn color_of<I: Isa, const FORMAT: u8>(
-        i: I,
-        view: &BoundTexture<'_>,
-        at: &LookUp<I>,
-        cells: &Self,
-    ) -> Color<I> {
-        if !cells.paired {
-            return Bilinear::<FORMAT>::color(i, view, at, i.f32(0.0));
-        }
-        scaled::<I>(cells.cell.color::<I, FORMAT>(i, view), view)
     }
 }
 

@@ -27,60 +27,47 @@ impl<const FORMAT: u8> FilterKernel for Trilinear<FORMAT> {
 pub(crate) struct Cells {
     fine: Cell,
     coarse: Cell,
-    lod: [f32; 16],
     weight: [f32; 16],
-    /// False if texels must be read one by one.
-    paired: bool,
     /// Some lane blends two levels.
     blends: bool,
 }
 
 impl CellKernel for Cells {
     const INPUT: Input = Input::Level;
-    type Cells = Self;
     const ZERO: Self = Self {
         fine: Cell::ZERO,
         coarse: Cell::ZERO,
-        lod: [0.0; 16],
         weight: [0.0; 16],
-        paired: false,
         blends: false,
     };
 
     #[inline(always)]
-    fn find<I: Isa>(i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32, cells: &mut Self) {
+    fn find<I: Isa>(&mut self, i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32) {
         let levels = LevelPair::new(i, view, lod);
-        cells.paired = cells.fine.find(i, view, &levels.fine, at.uv)
-            && (!levels.blends || cells.coarse.find(i, view, &levels.coarse, at.uv));
-        cells.blends = levels.blends;
-        levels.weight.store(&mut cells.weight);
-        lod.store(&mut cells.lod);
-    }
-
-    #[inline(always)]
-    fn readdress<I: Isa>(i: I, cells: &mut Self, format: u8) {
-        cells.fine.readdress(i, format);
-        if cells.blends {
-            cells.coarse.readdress(i, format);
+        self.fine.find_on(i, view, &levels.fine, at.uv);
+        self.blends = levels.blends;
+        if levels.blends {
+            self.coarse.find_on(i, view, &levels.coarse, at.uv);
+            levels.weight.store(&mut self.weight);
         }
     }
 
     #[inline(always)]
-    fn color_of<I: Isa, const FORMAT: u8>(
-        i: I,
-        view: &BoundTexture<'_>,
-        at: &LookUp<I>,
-        cells: &Self,
-    ) -> Color<I> {
-        if !cells.paired {
-            return Trilinear::<FORMAT>::color(i, view, at, i.load_f32(&cells.lod));
+    fn readdress<I: Isa>(&mut self, i: I, format: u8) {
+        self.fine.readdress(i, format);
+        if self.blends {
+            self.coarse.readdress(i, format);
         }
-        let c = cells.fine.color::<I, FORMAT>(i, view);
-        if !cells.blends {
+    }
+
+    #[inline(always)]
+    fn color<I: Isa, const FORMAT: u8>(&self, i: I, view: &BoundTexture<'_>) -> Color<I> {
+        let c = self.fine.mixed::<I, FORMAT>(i, view);
+        if !self.blends {
             return scaled::<I>(c, view);
         }
-        let next = cells.coarse.color::<I, FORMAT>(i, view);
-        scaled::<I>(blend::<I>(view, c, next, i.load_f32(&cells.weight)), view)
+        let next = self.coarse.mixed::<I, FORMAT>(i, view);
+        scaled::<I>(blend::<I>(view, c, next, i.load_f32(&self.weight)), view)
     }
 }
 
