@@ -39,7 +39,7 @@ impl ObjText {
 
     fn parse(path: &Path, text: String) -> Result<Self, IoError> {
         let mut spans = Spans::default();
-        let obj = pieces::read(path, &text, Some(&mut spans))?;
+        let obj = pieces::read(path, &text, Some(&mut spans))?.join();
         let (mut faces, mut corners) = (Faces::new(), obj.corners.as_slice());
         let mut vertices = Vec::new();
         for face in &obj.faces {

@@ -26,8 +26,9 @@ pub(crate) fn read(
         true => error,
         false => error.without_words(),
     };
-    let obj = pieces::read(path, &text, None).map_err(hidden)?;
+    let pieces = pieces::read(path, &text, None).map_err(hidden)?;
     drop(text);
+    let obj = pieces.join();
     if obj.faces.is_empty() {
         return Err(IoError::EmptyMesh {
             path: path.to_path_buf(),

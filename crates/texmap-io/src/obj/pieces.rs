@@ -10,17 +10,20 @@ use std::path::Path;
 use memchr::{memchr, memrchr};
 use texmap_math::parallel;
 
-use super::read::{Above, Group, Obj, Spans, read_piece};
+use super::read::{Counts, Group, Obj, Spans, read_piece};
 use crate::IoError;
 
 /// Bytes of a piece, and of the rest of its last statement.
 const PIECE: usize = 1 << 20;
 
+/// What was read of the pieces of a text, in order.
+pub(super) struct Pieces(Vec<Obj>);
+
 /// Reads the text of a model.
 ///
 /// With `spans`, the text is read to be given new coordinates: those of the file may be anything, and faces may have them at some
 /// corners.
-pub(super) fn read(file: &Path, text: &str, spans: Option<&mut Spans>) -> Result<Obj, IoError> {
+pub(super) fn read(file: &Path, text: &str, spans: Option<&mut Spans>) -> Result<Pieces, IoError> {
     read_in(file, text, spans, PIECE)
 }
 
@@ -29,25 +32,25 @@ fn read_in(
     text: &str,
     spans: Option<&mut Spans>,
     size: usize,
-) -> Result<Obj, IoError> {
+) -> Result<Pieces, IoError> {
     let pieces = cut(text, size);
     if let [piece] = &pieces[..] {
-        let above = Above::default();
-        let (obj, found) = read_piece(file, text, piece.clone(), above, spans.is_some())?;
+        let none = Counts::default();
+        let (obj, found) = read_piece(file, text, piece.clone(), (none, none), spans.is_some())?;
         if let (Some(spans), Some(found)) = (spans, found) {
             *spans = found;
         }
-        return Ok(obj);
+        return Ok(Pieces(vec![obj]));
     }
-    let counts = parallel::map(pieces.iter(), |piece| Above::of(text, piece.clone()));
-    let above = counts.iter().scan(Above::default(), |sum, own| {
+    let counts = parallel::map(pieces.iter(), |piece| Counts::of(text, piece.clone()));
+    let counts = counts.into_iter().scan(Counts::default(), |sum, own| {
         let above = *sum;
-        *sum = above.and(*own);
-        Some(above)
+        *sum = above.and(own);
+        Some((above, own))
     });
-    let above: Vec<Above> = above.collect();
-    let read = parallel::map(pieces.into_iter().zip(above), |(piece, above)| {
-        read_piece(file, text, piece, above, spans.is_some())
+    let counts: Vec<_> = counts.collect();
+    let read = parallel::map(pieces.into_iter().zip(counts), |(piece, counts)| {
+        read_piece(file, text, piece, counts, spans.is_some())
     });
     // The first fault of the text, whichever was found first.
     let read = read.into_iter().collect::<Result<Vec<_>, IoError>>()?;
@@ -61,7 +64,7 @@ fn read_in(
             spans.first_face = spans.first_face.or(found.first_face);
         }
     }
-    Ok(join(objs))
+    Ok(Pieces(objs))
 }
 
 /// Cuts a text into pieces of whole statements, one at least.
@@ -89,15 +92,21 @@ fn cut(text: &str, size: usize) -> Vec<Range<usize>> {
     }
 }
 
-/// The model of all pieces; each list of a piece is given back to the system when it is copied. Corners are more than half of all: they
-/// are joined beside the rest.
-fn join(mut pieces: Vec<Obj>) -> Obj {
-    let corners: Vec<_> = pieces
-        .iter_mut()
-        .map(|p| mem::take(&mut p.corners))
-        .collect();
-    let (corners, all) = parallel::join(|| joined(corners), || join_rest(pieces));
-    Obj { corners, ..all }
+impl Pieces {
+    /// The model of all pieces; each list of a piece is given back to the system when it is copied. Corners are more than half of all:
+    /// they are joined beside the rest. Takes as much memory as the pieces: a text that is not needed any more should be dropped before.
+    pub(super) fn join(self) -> Obj {
+        let Self(mut pieces) = self;
+        if pieces.len() == 1 {
+            return pieces.pop().unwrap_or_default();
+        }
+        let corners: Vec<_> = pieces
+            .iter_mut()
+            .map(|p| mem::take(&mut p.corners))
+            .collect();
+        let (corners, all) = parallel::join(|| joined(corners), || join_rest(pieces));
+        Obj { corners, ..all }
+    }
 }
 
 /// Lists one after the other.
@@ -157,8 +166,8 @@ mod tests {
 
     fn debug(text: &str, size: usize) -> String {
         let mut spans = Spans::default();
-        let plain = read_in(Path::new("a.obj"), text, None, size);
-        let spanned = read_in(Path::new("a.obj"), text, Some(&mut spans), size);
+        let plain = read_in(Path::new("a.obj"), text, None, size).map(Pieces::join);
+        let spanned = read_in(Path::new("a.obj"), text, Some(&mut spans), size).map(Pieces::join);
         format!("{plain:?} {spanned:?} {spans:?}")
     }
 

@@ -83,38 +83,40 @@ pub(super) struct Spans {
     pub(super) first_face: Option<u32>,
 }
 
-/// Counts of the text above a piece: lines, and the data that indices and faces of the piece refer to.
+/// Counts of a part of the text: lines, and the data that indices and faces refer to.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Above {
+pub(super) struct Counts {
     pub(super) lines: u32,
     pub(super) positions: usize,
     pub(super) uvs: usize,
     pub(super) normals: usize,
+    faces: usize,
     /// The last `s` line.
     pub(super) smoothing: Option<u32>,
 }
 
-impl Above {
+impl Counts {
     /// Counts the statements of a piece by their first words.
     pub(super) fn of(text: &str, piece: Range<usize>) -> Self {
         let mut source = Source::new(Path::new(""), text, piece.clone(), 0);
-        let mut above = Self::default();
+        let mut counts = Self::default();
         let mut words = Vec::new();
         while source.next(&mut words, 1) {
             let Some(&word) = words.first() else { continue };
             match source.bytes(word) {
-                b"v" => above.positions += 1,
-                b"vt" => above.uvs += 1,
-                b"vn" => above.normals += 1,
+                b"v" => counts.positions += 1,
+                b"vt" => counts.uvs += 1,
+                b"vn" => counts.normals += 1,
+                b"f" | b"fo" => counts.faces += 1,
                 b"s" => {
                     source.again(&mut words);
-                    above.smoothing = Some(smoothing(&source, &words[1..]));
+                    counts.smoothing = Some(smoothing(&source, &words[1..]));
                 }
                 _ => {}
             }
         }
-        above.lines = source.line_after();
-        above
+        counts.lines = source.line_after();
+        counts
     }
 
     /// The counts of two pieces, one after the other.
@@ -124,22 +126,31 @@ impl Above {
             positions: self.positions + next.positions,
             uvs: self.uvs + next.uvs,
             normals: self.normals + next.normals,
+            faces: self.faces + next.faces,
             smoothing: next.smoothing.or(self.smoothing),
         }
     }
 }
 
-/// Reads the statements of a piece of a model, of which everything `above` is known.
+/// Reads the statements of a piece of a model, with the counts of all above it, and its own where they are known.
 pub(super) fn read_piece(
     file: &Path,
     text: &str,
     piece: Range<usize>,
-    above: Above,
+    (above, own): (Counts, Counts),
     spans: bool,
 ) -> Result<(Obj, Option<Spans>), IoError> {
     let mut reader = Reader {
         source: Source::new(file, text, piece, above.lines + 1),
-        obj: Obj::default(),
+        obj: Obj {
+            positions: Vec::with_capacity(own.positions),
+            uvs: Vec::with_capacity(own.uvs),
+            normals: Vec::with_capacity(own.normals),
+            faces: Vec::with_capacity(own.faces),
+            // Most faces are triangles.
+            corners: Vec::with_capacity(3 * own.faces),
+            ..Obj::default()
+        },
         above,
         smoothing: above.smoothing.unwrap_or(UNSET_GROUP),
         spans: spans.then(Spans::default),
@@ -154,7 +165,7 @@ pub(super) fn read_piece(
 struct Reader<'a> {
     source: Source<'a>,
     obj: Obj,
-    above: Above,
+    above: Counts,
     smoothing: u32,
     spans: Option<Spans>,
 }
@@ -394,13 +405,15 @@ fn smoothing(source: &Source<'_>, values: &[Span]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pieces::read;
+    use super::super::pieces::{Pieces, read};
     use super::*;
 
     const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
 
     fn error(text: &str) -> (&'static str, u32, u32) {
-        let error = read(Path::new("a.obj"), text, None).unwrap_err();
+        let error = read(Path::new("a.obj"), text, None)
+            .map(Pieces::join)
+            .unwrap_err();
         let location = error.location().unwrap();
         (error.code(), location.line, location.column)
     }
@@ -410,7 +423,7 @@ mod tests {
         let text = format!(
             "# made by hand\n{QUAD}\ng left wing\nusemtl red # bright\ns 3\nf -4/1 -3/1 \\\n -2/1\ns off\nf 1//1 2//1 3//1 4//1\nl 1 2 3\n"
         );
-        let obj = read(Path::new("a.obj"), &text, None).unwrap();
+        let obj = read(Path::new("a.obj"), &text, None).unwrap().join();
         let corner = |vertex, uv, normal| Corner { vertex, uv, normal };
         assert_eq!(
             obj.corners[..4],
