@@ -3,6 +3,9 @@
 
 use std::process::ExitCode;
 
+#[global_allocator]
+static ALLOCATOR: texmap_cli::Allocator = texmap_cli::Allocator;
+
 fn main() -> ExitCode {
     texmap_cli::main()
 }

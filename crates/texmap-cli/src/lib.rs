@@ -15,8 +15,10 @@ use clap::Parser;
 use crate::args::{Cli, Verb};
 use crate::failure::{Exit, Failure};
 
+pub use allocator::Allocator;
 pub use planned::{batch_units, merged_units};
 
+mod allocator;
 mod args;
 mod cmd;
 mod digits;
@@ -42,6 +44,7 @@ pub fn started_by(words: Vec<OsString>) {
 /// Runs the program on the arguments of this process and returns its exit code.
 #[must_use]
 pub fn main() -> ExitCode {
+    allocator::start_within_limits();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     ExitCode::from(run_program(&arguments))
 }

@@ -89,6 +89,15 @@ fn bound_threads() {
         .build_global();
 }
 
+/// True if RLIMIT_AS or RLIMIT_DATA is set, which count addresses, whether they are used or not.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub(crate) fn addresses_are_limited() -> bool {
+    let limits = own_limits();
+    ["Max address space", "Max data size"]
+        .iter()
+        .any(|name| soft_limit(&limits, name).is_some())
+}
+
 fn own_limits() -> String {
     fs::read_to_string("/proc/self/limits").unwrap_or_default()
 }
