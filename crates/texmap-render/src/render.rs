@@ -327,7 +327,7 @@ impl<'a> ScratchGuard<'a> {
     }
 
     fn get(&mut self) -> &mut Scratch {
-        self.scratch.get_or_insert_with(|| Box::new(Scratch::new()))
+        self.scratch.get_or_insert_with(Scratch::boxed)
     }
 }
 

@@ -554,6 +554,20 @@ fn a_change_of_the_scene_reaches_the_hash() {
     );
 }
 
+/// Blocks are split in halves, and a thread that waits for one half takes blocks of another: only the innermost draws.
+#[test]
+fn many_blocks_are_drawn_on_a_small_stack() {
+    let settings = RenderSettings::new(2048, 2048);
+    let scene = busy();
+    let draw = || render(&scene, &settings, &texmap_render::no_progress).unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(2)
+        .stack_size(600 << 10)
+        .build()
+        .unwrap();
+    assert_eq!(pixel_hash(&pool.install(draw)), pixel_hash(&draw()));
+}
+
 #[test]
 fn progress_counts_every_block_once() {
     let calls = std::sync::Mutex::new(Vec::new());

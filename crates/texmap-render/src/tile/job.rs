@@ -63,11 +63,13 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    pub(crate) fn new() -> Self {
-        Self {
+    /// Out of line: it passes over the stack, and who calls may be called by itself, a thread that waits and takes another block.
+    #[inline(never)]
+    pub(crate) fn boxed() -> Box<Self> {
+        Box::new(Self {
             painter: Painter::new(),
             sums: Sums::default(),
-        }
+        })
     }
 }
 
@@ -107,7 +109,8 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Draws a block and returns the number of its covered pixels.
+    /// Draws a block and returns the number of its covered pixels. Out of line, as [`Scratch::boxed`].
+    #[inline(never)]
     pub(crate) fn draw(&self, mut block: Block<'_, '_>, scratch: &mut Scratch) -> u64 {
         let color = block.take_color();
         if self.samples > 1 {
