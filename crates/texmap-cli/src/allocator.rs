@@ -9,7 +9,8 @@ pub use mimalloc::MiMalloc as Allocator;
 pub use std::alloc::System as Allocator;
 
 /// Starts the program again, in the same process, where addresses are limited (`ulimit -v`): mimalloc reserves them by the hundred megabytes
-/// unless its environment says otherwise, and nothing of a small limit is left. Returns where there is no limit.
+/// unless its environment says otherwise, and the C library 64 MiB for each thread that asks it for a few bytes; nothing of a small limit
+/// would be left. Returns where there is no limit.
 pub(crate) fn start_within_limits() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
@@ -27,6 +28,7 @@ pub(crate) fn start_within_limits() {
             again.arg0(name);
         }
         // Comes back only if it cannot start; the limit is then met as it is.
-        let _ = again.args(arguments).env(RESERVE, "0").exec();
+        again.env(RESERVE, "0").env("MALLOC_ARENA_MAX", "1");
+        let _ = again.args(arguments).exec();
     }
 }
