@@ -78,13 +78,17 @@ impl Cell {
         i.vectorize(
             #[inline(always)]
             || {
-                let mut texels = [[[i.f32(0.0); 4]; 2]; 2];
-                for row in 0..2 {
-                    texels[row] = [
-                        tap_at::<I, FORMAT>(i, view, &self.left[row]),
-                        tap_at::<I, FORMAT>(i, view, &self.right[row]),
-                    ];
-                }
+                let ([a, c], [b, d]) = (&self.left, &self.right);
+                let texels = [
+                    [
+                        tap_at::<I, FORMAT>(i, view, a),
+                        tap_at::<I, FORMAT>(i, view, b),
+                    ],
+                    [
+                        tap_at::<I, FORMAT>(i, view, c),
+                        tap_at::<I, FORMAT>(i, view, d),
+                    ],
+                ];
                 self.mix(i, view, texels)
             },
         )
