@@ -164,7 +164,7 @@ fn files_are_small_and_what_they_hold_is_large() {
             "the 4000 x 2000 texels of sky.png",
         ),
     ] {
-        desk.over_memory(300, arguments, word);
+        desk.over_memory(200, arguments, word);
     }
     // It needs no more than what the decoder makes.
     desk.over_memory(100, "info big.png", "the 7000 x 7000 texels of big.png");
