@@ -27,8 +27,8 @@ pub(crate) fn start_within_limits() {
         if let Some(name) = arguments.next() {
             again.arg0(name);
         }
-        // Comes back only if it cannot start; the limit is then met as it is.
         again.env(RESERVE, "0").env("MALLOC_ARENA_MAX", "1");
+        // Comes back only if it cannot start; the limit is then met as it is.
         let _ = again.args(arguments).exec();
     }
 }

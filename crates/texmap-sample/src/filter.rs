@@ -135,7 +135,7 @@ pub(crate) trait CellKernel: Copy {
     const ZERO: Self;
     /// Puts the cells of a vector of coordinates here, with addresses in the words of the view.
     fn find<I: Isa>(&mut self, i: I, view: &BoundTexture<'_>, at: &LookUp<I>, lod: I::F32);
-    /// Turns addresses of the other format of one or two words a texel into those of `format`.
+    /// Turns addresses of the other format of one or two words a texel into those of `format`. Of textures without a border.
     fn readdress<I: Isa>(&mut self, i: I, format: u8);
     /// [`color`](FilterKernel::color) of the kernel for `FORMAT`, the view's, of the same look-ups.
     fn color<I: Isa, const FORMAT: u8>(&self, i: I, view: &BoundTexture<'_>) -> Color<I>;

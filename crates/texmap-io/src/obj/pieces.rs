@@ -16,7 +16,7 @@ use crate::IoError;
 /// Bytes of a piece, and of the rest of its last statement.
 const PIECE: usize = 1 << 20;
 
-/// What was read of the pieces of a text, in order.
+/// Models of the pieces of a text, in order.
 pub(super) struct Pieces(Vec<Obj>);
 
 /// Reads the text of a model.

@@ -349,7 +349,11 @@ fn cell_vectors<I: Isa, K: CellKernel>(
                 // Levels of detail first: a logarithm is a long chain of operations, and those of a run are independent of each other.
                 if K::INPUT == Input::Level {
                     for (k, lod) in lods.iter_mut().enumerate() {
-                        let first = vector_start::<I>(start + k * I::LANES, count);
+                        let first = start + k * I::LANES;
+                        if first >= count {
+                            break;
+                        }
+                        let first = vector_start::<I>(first, count);
                         batch.lod(i, first, K::INPUT).store(lod);
                     }
                 }

@@ -119,10 +119,9 @@ impl CellKernel for Cell {
     #[inline(always)]
     fn readdress<I: Isa>(&mut self, i: I, format: u8) {
         for words in self.left.iter_mut().chain(&mut self.right) {
-            let at = i.load_u32(words).to_i32();
-            // Keeps the sign of what is on the border.
+            let at = i.load_u32(words);
             let at = if format == RGBA16 { at << 1 } else { at >> 1 };
-            at.to_u32().store(words);
+            at.store(words);
         }
     }
 
