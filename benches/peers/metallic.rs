@@ -12,7 +12,7 @@ use glow::HasContext as _;
 use texmap_benches::bench_scenes::{
     METALLIC, METALLIC_LIGHT, METALLIC_LIGHTS, METALLIC_SUN, ROUGHNESS, metallic_environment,
 };
-use texmap_light::{EnvironmentLayout, ReflectionLobes, split_sum};
+use texmap_light::{EnvironmentLayout, EnvironmentLight, ReflectionLobes, split_sum};
 use texmap_math::glam::DVec2;
 use texmap_scene::ColorMode;
 
@@ -20,7 +20,7 @@ use crate::effects::{VERTEX, bind, vector};
 use crate::gl::program_of;
 
 const FRAGMENT: &str = "#version 330 core
-uniform sampler2D base, sums, lobes; uniform samplerCube diffuse, low, middle, high; uniform float first;
+uniform sampler2D base, sums, lobes; uniform samplerCube diffuse, low, middle, high;
 uniform vec3 light, sun, eye, color; uniform vec2 mean, surface;
 in vec3 P, N; in vec2 t; out vec4 colour;
 float metal, rough, alpha, lost;
@@ -53,10 +53,10 @@ void main() {
   again = mix(vec3(more), vec3(share(b.r), share(b.g), share(b.b)), metal) * missing;
   vec3 even = textureLod(diffuse, n, 0.0).rgb, mirrored = reflect(-v, n), glossy = vec3(0.0);
   float whole = 1.0;
-  for (int k = 0; k < 3; k++) {
+  for (int k = 0; k < 4; k++) {
     vec3 lobe = textureLod(lobes, vec2((sqrt(nv) * 63.0 + 0.5) / 64.0, (float(k) + 0.5) / 64.0), 0.0).rgb;
     vec3 way = mirrored + (n - mirrored) * lobe.x, near = textureLod(middle, way, 0.0).rgb;
-    float level = lobe.y * 10.0 - first;
+    float level = lobe.y;
     vec3 light = level < 1.0 ? mix(textureLod(low, way, 0.0).rgb, near, level) : mix(near, textureLod(high, way, 0.0).rgb, level - 1.0);
     glossy += light * lobe.z;
     whole -= lobe.z;
@@ -80,9 +80,9 @@ pub(crate) struct Metallic {
 impl Metallic {
     pub(crate) unsafe fn new(gl: &glow::Context, color: ColorMode) -> Result<Self, String> {
         let light = metallic_environment(color).ok_or("there is no environment")?;
-        // The least roughness of a lobe is 0.7 of the surface's.
-        let first = (7.0 * ROUGHNESS).floor();
-        let level = |k: f32| (first + k) / 10.0;
+        // The least roughness of a lobe is half of the surface's.
+        let first = EnvironmentLight::level_of_roughness(0.5 * ROUGHNESS).floor();
+        let level = |k: usize| EnvironmentLight::roughness_of_level(first as usize + k);
         unsafe {
             let program = program_of(gl, VERTEX, FRAGMENT)?;
             let cube = |radiance: &dyn Fn([f32; 3]) -> [f32; 3]| {
@@ -100,9 +100,9 @@ impl Metallic {
             };
             let textures = [
                 cube(&|normal| light.irradiance(normal))?,
-                cube(&|way| light.radiance(level(0.0), way))?,
-                cube(&|way| light.radiance(level(1.0), way))?,
-                cube(&|way| light.radiance(level(2.0), way))?,
+                cube(&|way| light.radiance(level(0), way))?,
+                cube(&|way| light.radiance(level(1), way))?,
+                cube(&|way| light.radiance(level(2), way))?,
                 gl.create_texture()?,
                 gl.create_texture()?,
             ];
@@ -117,8 +117,9 @@ impl Metallic {
             let lobes: Vec<f32> = (0..STEPS * STEPS)
                 .flat_map(|k| {
                     let seen = ReflectionLobes::new(ROUGHNESS, at(k % STEPS).powi(2));
-                    let lobe = seen.lobes[(k / STEPS).min(2)];
-                    [lobe.lean, lobe.roughness, lobe.weight]
+                    let lobe = seen.lobes[(k / STEPS).min(3)];
+                    let level = EnvironmentLight::level_of_roughness(lobe.roughness);
+                    [lobe.lean, level - first, lobe.weight]
                 })
                 .collect();
             floats(
@@ -129,8 +130,6 @@ impl Metallic {
             );
             gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
             gl.use_program(Some(program));
-            let at = gl.get_uniform_location(program, "first");
-            gl.uniform_1_f32(at.as_ref(), first);
             let pair = |name: &str, [x, y]: [f32; 2]| {
                 let at = gl.get_uniform_location(program, name);
                 gl.uniform_2_f32(at.as_ref(), x, y);

@@ -27,8 +27,8 @@ pub const LIGHT_AREA: f64 = 1.861_234_573_9;
 /// Depth of 0 to 1 that the peers subtract before they compare.
 pub const SHADOW_BIAS: f32 = 0.002;
 
-/// Roughness of `pbr`.
-pub const ROUGHNESS: f32 = 0.35;
+/// Roughness of `pbr`: its lobes read three levels.
+pub const ROUGHNESS: f32 = 0.4;
 /// Metalness of `pbr`.
 pub const METALLIC: f32 = 0.5;
 /// Position of the point light of `pbr`.

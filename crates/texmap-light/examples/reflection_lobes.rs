@@ -1,19 +1,22 @@
 //! Prints `src/reflection_lobes/table.rs`:
 //! `cargo run --release -p texmap-light --example reflection_lobes > table.rs`, then moved there.
 //!
-//! The GGX lobe of a surface seen aslant, `D V (N.L)` over the hemisphere, as a sum of three lobes as they are seen head on and the cosine
+//! The GGX lobe of a surface seen aslant, `D V (N.L)` over the hemisphere, as a sum of lobes as an environment light holds them, seen head on, and the cosine
 //! about the normal: least squares, weighted as chi-square is, with weights that are not negative and sum to 1. Neighbouring entries
 //! start from each other, so that the table is smooth between them.
 #![allow(clippy::print_stdout, reason = "the table goes to standard output")]
 
 use std::f64::consts::PI;
 
-use texmap_light::MIN_ROUGHNESS;
+use texmap_light::{EnvironmentLight, MIN_ROUGHNESS};
 use texmap_math::glam::DVec3;
 
-/// Entries a side: even steps of roughness, and of the cosine's square root.
-const SIDE: usize = 16;
-const LOBES: usize = 3;
+/// Even steps of roughness, and of the cosine's square root.
+const ROWS: usize = 31;
+const COLUMNS: usize = 16;
+const LOBES: usize = 4;
+/// From this roughness on three lobes are enough.
+const ALL_LOBES_TO: f64 = 0.49;
 /// Leans and factors of roughness.
 const PARAMETERS: usize = 2 * LOBES;
 const TERMS: usize = LOBES + 1;
@@ -29,19 +32,18 @@ fn main() {
         "\n/// Rows of even steps of roughness, columns of even steps of the cosine's square root. A word for each lobe holds its lean in"
     );
     println!(
-        "/// the low half, in steps of 1 / 16384 from -2, and its factor of roughness in the high half, in steps of 1 / 32768; the last"
+        "/// the low 12 bits, -1.5 to 1, then its factor of roughness in 10 bits, 0.5 to 1, and its weight in 10 bits, 0 to 1."
     );
-    println!("/// holds the weights of the lobes, 10 bits each.");
     println!(
-        "#[rustfmt::skip]\npub(super) static LOBES: [[u32; {}]; {TERMS}] = [",
-        SIDE * SIDE
+        "#[rustfmt::skip]\npub(super) static LOBES: [[u32; {}]; {LOBES}] = [",
+        ROWS * COLUMNS
     );
-    for word in 0..TERMS {
+    for lobe in 0..LOBES {
         println!("    [");
         for row in &table {
             let row: Vec<String> = row
                 .iter()
-                .map(|entry| format!("{:#x}", entry.word(word)))
+                .map(|entry| format!("{:#x}", entry.word(lobe)))
                 .collect();
             println!("        {},", row.join(", "));
         }
@@ -59,18 +61,14 @@ struct Entry {
 
 impl Entry {
     fn word(&self, k: usize) -> u32 {
-        let step = |x: f64, most: f64| x.round().clamp(0.0, most) as u32;
-        match k {
-            LOBES => {
-                // Rounded down: their sum is at most 1.
-                let weight = |k: usize| (self.weights[k] * 1023.0).clamp(0.0, 1023.0) as u32;
-                (0..LOBES).fold(0, |word, k| word | weight(k) << (10 * k))
-            }
-            _ => {
-                let [lean, factor] = [self.parameters[k], self.parameters[LOBES + k]];
-                step((lean + 2.0) * 16384.0, 65535.0) | step(factor * 32768.0, 65535.0) << 16
-            }
-        }
+        let step = |x: f64, (low, high): (f64, f64), most: f64| {
+            ((x - low) / (high - low) * most).round().clamp(0.0, most) as u32
+        };
+        let lean = step(self.parameters[k], RANGES[0], 4095.0);
+        let factor = step(self.parameters[LOBES + k], RANGES[1], 1023.0);
+        // Rounded down: their sum is at most 1.
+        let weight = (self.weights[k] * 1023.0).clamp(0.0, 1023.0) as u32;
+        lean | factor << 12 | weight << 22
     }
 
     fn middle(&self, other: &Self) -> Self {
@@ -84,9 +82,9 @@ impl Entry {
 /// From the middle of the table outwards.
 fn table() -> Vec<Vec<Entry>> {
     let roughness =
-        |row: usize| (row as f64 / (SIDE - 1) as f64).max(2.0 * f64::from(MIN_ROUGHNESS));
-    let cosine = |column: usize| (column as f64 / (SIDE - 1) as f64).powi(2).max(2e-3);
-    let (first_row, first_column) = (SIDE * 2 / 5, SIDE * 3 / 5);
+        |row: usize| (row as f64 / (ROWS - 1) as f64).max(2.0 * f64::from(MIN_ROUGHNESS));
+    let cosine = |column: usize| (column as f64 / (COLUMNS - 1) as f64).powi(2).max(2e-3);
+    let (first_row, first_column) = (ROWS * 2 / 5, COLUMNS * 3 / 5);
     let width = roughness(first_row).powi(2);
     let place = |k: usize| (k as f64 + 0.5) / LOBES as f64 * 2.0 - 1.0;
     let parameters = std::array::from_fn(|k| match k {
@@ -99,15 +97,15 @@ fn table() -> Vec<Vec<Entry>> {
         parameters,
         weights,
     };
-    let mut table = vec![vec![start; SIDE]; SIDE];
-    let outwards = |first: usize| (first..SIDE).chain((0..first).rev());
-    for row in outwards(first_row) {
+    let mut table = vec![vec![start; COLUMNS]; ROWS];
+    let outwards = |first: usize, count: usize| (first..count).chain((0..first).rev());
+    for row in outwards(first_row, ROWS) {
         let before = if row > first_row {
             row.wrapping_sub(1)
         } else {
             row + 1
         };
-        for column in outwards(first_column) {
+        for column in outwards(first_column, COLUMNS) {
             let beside = if column > first_column {
                 column.wrapping_sub(1)
             } else {
@@ -121,7 +119,7 @@ fn table() -> Vec<Vec<Entry>> {
             };
             let fit = Fit::new(roughness(row), cosine(column));
             table[row][column] = match start {
-                Some(near) => fit.near(&near, 0.03),
+                Some(near) => fit.near(&near, 0.01),
                 None => fit.near(&table[row][column], 0.0),
             };
         }
@@ -178,11 +176,10 @@ impl Fit {
         let sum: f64 = lobe.iter().zip(&angles).map(|(w, a)| w * a).sum();
         lobe.iter_mut().for_each(|w| *w /= sum);
         let most = lobe.iter().fold(0.0, |m: f64, w| m.max(*w));
-        let mut scales: Vec<f64> = lobe
-            .iter()
-            .zip(&angles)
-            .map(|(w, a)| (a / (w + 0.1 * most)).sqrt())
-            .collect();
+        // Bright windows show the tails of narrow lobes.
+        let tail = if roughness < ALL_LOBES_TO { 0.01 } else { 0.1 };
+        let scale = |(w, a): (&f64, &f64)| (a / (w + tail * most)).sqrt();
+        let mut scales: Vec<f64> = lobe.iter().zip(&angles).map(scale).collect();
         let whole: f64 = lobe.iter().zip(&scales).map(|(w, s)| (w * s).powi(2)).sum();
         scales.iter_mut().for_each(|s| *s /= whole.sqrt());
         Self {
@@ -196,18 +193,16 @@ impl Fit {
 
     /// The terms of a fit, each of sum 1, scaled.
     fn terms(&self, parameters: &[f64; PARAMETERS]) -> Vec<[f64; TERMS]> {
-        let lobes: [(DVec3, f64, f64); LOBES] = std::array::from_fn(|k| {
+        let lobes: [(DVec3, [(f64, f64); 2]); LOBES] = std::array::from_fn(|k| {
             let lean = parameters[k];
             let axis = (self.mirrored * (1.0 - lean) + DVec3::Z * lean).normalize();
-            let width = (parameters[LOBES + k] * self.roughness)
-                .clamp(0.03, 1.0)
-                .powi(2);
-            (axis, width, 1.0 / head_on_sum(width))
+            (axis, levels(parameters[LOBES + k] * self.roughness))
         });
         let of = |(d, scale): (&DVec3, &f64)| {
             let mut terms = [0.0; TERMS];
-            for (term, (axis, width, per_sum)) in terms.iter_mut().zip(lobes) {
-                *term = head_on(width, d.dot(axis)) * per_sum * scale;
+            for (term, (axis, levels)) in terms.iter_mut().zip(lobes) {
+                let level = |(width, share): (f64, f64)| head_on(width, d.dot(axis)) * share;
+                *term = levels.map(level).iter().sum::<f64>() * scale;
             }
             terms[LOBES] = d.z.max(0.0) / PI * scale;
             terms
@@ -222,35 +217,33 @@ impl Fit {
         near: &[f64; TERMS],
     ) -> ([f64; TERMS], Vec<f64>) {
         let terms = self.terms(parameters);
-        let count = if self.roughness > EVEN_FROM {
-            TERMS
-        } else {
-            LOBES
+        let fitted = |term: usize| match term {
+            LOBES => self.roughness > EVEN_FROM,
+            _ => term < 3 || self.roughness < ALL_LOBES_TO,
         };
+        let fitted: Vec<usize> = (0..TERMS).filter(|term| fitted(*term)).collect();
         // Normal equations, the sum of 1 as a heavy row.
         let mut matrix = [[900.0; TERMS]; TERMS];
         let mut right = [900.0; TERMS];
         for (terms, (lobe, scale)) in terms.iter().zip(self.lobe.iter().zip(&self.scales)) {
-            for j in 0..count {
+            for &j in &fitted {
                 right[j] += terms[j] * lobe * scale;
-                for k in 0..count {
+                for &k in &fitted {
                     matrix[j][k] += terms[j] * terms[k];
                 }
             }
         }
-        for k in 0..count {
+        for &k in &fitted {
             matrix[k][k] += 0.05f64.powi(2);
             right[k] += 0.05f64.powi(2) * near[k];
         }
         // Not negative: coordinate descent.
-        let mut weights = *near;
-        weights[count..].fill(0.0);
+        let mut weights: [f64; TERMS] =
+            std::array::from_fn(|k| if fitted.contains(&k) { near[k] } else { 0.0 });
         for _ in 0..3000 {
-            for j in 0..count {
-                let rest: f64 = (0..count)
-                    .filter(|k| *k != j)
-                    .map(|k| matrix[j][k] * weights[k])
-                    .sum();
+            for &j in &fitted {
+                let others = fitted.iter().filter(|k| **k != j);
+                let rest: f64 = others.map(|&k| matrix[j][k] * weights[k]).sum();
                 weights[j] = ((right[j] - rest) / matrix[j][j]).max(0.0);
             }
         }
@@ -362,6 +355,18 @@ fn ggx(width: f64, view: DVec3, l: DVec3) -> f64 {
     let q = h.z * h.z * (a2 - 1.0) + 1.0;
     let smith = |a: f64, b: f64| a * (b * b * (1.0 - a2) + a2).sqrt();
     l.z / (q * q * (smith(l.z, view.z) + smith(view.z, l.z)))
+}
+
+/// Widths of the lobes of the two levels that an environment's light reads for a roughness, and their shares over their integrals.
+fn levels(roughness: f64) -> [(f64, f64); 2] {
+    let at = EnvironmentLight::level_of_roughness(roughness as f32);
+    let low = at.floor().min(10.0);
+    [(low, 1.0 - (at - low)), (low + 1.0, at - low)].map(|(level, share)| {
+        let roughness = f64::from(EnvironmentLight::roughness_of_level(level as usize));
+        // The environment itself has no width; this is one too small to matter.
+        let width = roughness.max(0.04).powi(2);
+        (width, f64::from(share) / head_on_sum(width))
+    })
 }
 
 /// The lobe of a width as seen head on, by the cosine from its axis, but for a factor.

@@ -15,9 +15,9 @@ use crate::lanes::Vector;
 use levels::Levels;
 pub use prefilter::Prefilter;
 pub use roughnesses::Roughnesses;
-use roughnesses::STEPS;
+use roughnesses::{STEPS, level, roughness_of};
 
-/// Light from every direction as surfaces receive it: the sum over all directions is taken once, for each of eleven roughnesses and
+/// Light from every direction as surfaces receive it: the sum over all directions is taken once, for each of twelve roughnesses and
 /// for a diffuse surface, and read by direction. Radiances from 0 to a million; others count as the nearer end.
 /// Texels are held in one word, off by 1/512 of their
 /// brightest channel at most.
@@ -26,7 +26,7 @@ use roughnesses::STEPS;
 /// aslant of several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentLight {
-    /// A cube. Level k holds the light that the lobe of a roughness of k / 10 gathers; level 0 is the environment. A level that was not
+    /// A cube. Level k holds the light that the lobe of [`roughness_of_level`](Self::roughness_of_level) gathers; level 0 is the environment. A level that was not
     /// made reads as the next rougher one that was, the roughest as the last.
     rough: Levels,
     /// The levels that were made.
@@ -99,10 +99,31 @@ impl EnvironmentLight {
         self.rough.size()
     }
 
-    /// Number of roughness levels. Level k of `n` holds the light that the lobe of a roughness of `k / (n - 1)` gathers.
+    /// Number of roughness levels.
     #[must_use]
     pub fn levels(&self) -> usize {
         self.rough.count()
+    }
+
+    /// The level that [`radiance`](Self::radiance) reads for a perceptual roughness, cut to 0 to 1; a fraction mixes two levels. NaN is 0.
+    ///
+    /// ```
+    /// use texmap_light::EnvironmentLight;
+    /// assert_eq!(EnvironmentLight::level_of_roughness(0.25), 3.5);
+    /// assert_eq!(EnvironmentLight::roughness_of_level(3), 0.2);
+    /// assert_eq!(EnvironmentLight::roughness_of_level(4), 0.3);
+    /// ```
+    #[must_use]
+    pub fn level_of_roughness(roughness: f32) -> f32 {
+        let roughness = if roughness.is_nan() { 0.0 } else { roughness };
+        level(Scalar, F32s::<Scalar>::clamp(roughness, 0.0, 1.0))
+    }
+
+    /// Perceptual roughness of the lobe that gathers the light of a level: 0, 0.1, 0.15, 0.2, and further in steps of 0.1; 1 beyond the
+    /// last.
+    #[must_use]
+    pub fn roughness_of_level(level: usize) -> f32 {
+        roughness_of(level.min(STEPS))
     }
 
     /// Light that a lobe of this perceptual roughness gathers around a direction of any length, the mean of the environment with
@@ -127,7 +148,7 @@ impl EnvironmentLight {
         roughness: I::F32,
         direction: Vector<I>,
     ) -> Vector<I> {
-        let lod = roughness.clamp(i.f32(0.0), i.f32(1.0)) * STEPS as f32;
+        let lod = level(i, roughness.clamp(i.f32(0.0), i.f32(1.0)));
         self.rough.radiance(i, lod, self.turned_lanes(i, direction))
     }
 

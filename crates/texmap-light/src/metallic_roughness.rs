@@ -291,6 +291,10 @@ impl<I: Isa> ReflectanceLanes<I> {
         let seen = reflection_lobes::lobes(i, self.roughness, self.nv);
         let mut glossy = scale(irradiance, seen.diffuse);
         for lobe in seen.lobes {
+            // Rough surfaces have fewer.
+            if !lobe.weight.simd_gt(0.0).any_true() {
+                continue;
+            }
             let mut axis = mirrored;
             for k in 0..3 {
                 axis[k] = mirrored[k] + (self.normal[k] - mirrored[k]) * lobe.lean;

@@ -1,19 +1,22 @@
 //! The reflection of an environment by a rough surface that is seen aslant.
 //!
 //! Its lobe is longer than wide there, and ends at the horizon. Levels of an [`EnvironmentLight`](crate::EnvironmentLight) hold lobes as they
-//! are seen head on; three of these in the plane of view and normal, and the light of a diffuse surface, together have nearly its form:
-//! `examples/reflection_lobes.rs` fits them. Seven by seven spheres in the studio are off by 0.009 of display light, root mean square;
-//! by 0.022 with one lobe.
+//! are seen head on; up to four of these in the plane of view and normal, and the light of a diffuse surface, together have nearly its form:
+//! `examples/reflection_lobes.rs` fits them. Seven by seven spheres in the studio are off by 0.0067 of display light, root mean
+//! square; by 0.022 with one lobe.
 
 mod table;
 
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::albedo::{bilinear, high, low, split};
+use crate::albedo::{bilinear, split};
 
-/// Entries of the table a side.
-const SIDE: usize = 16;
+/// Lobes of a surface, at most.
+const LOBES: usize = 4;
+/// Steps of roughness, which every tenth is one of, and of the cosine's square root.
+const ROWS: usize = 31;
+const COLUMNS: usize = 16;
 /// Least roughness of a lobe, as a factor of the surface's; none is rougher than the surface.
 pub(crate) const LEAST_FACTOR: f32 = 0.5;
 
@@ -32,8 +35,8 @@ pub struct ReflectionLobeLanes<I: Isa> {
 /// The lobes of a surface, whose weights and `diffuse` add up to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReflectionLobesLanes<I: Isa> {
-    /// In no order.
-    pub lobes: [ReflectionLobeLanes<I>; 3],
+    /// In no order; that of no weight is not read.
+    pub lobes: [ReflectionLobeLanes<I>; LOBES],
     /// Weight of the light of a diffuse surface of the same normal: its irradiance over pi.
     pub diffuse: I::F32,
 }
@@ -62,48 +65,43 @@ impl ReflectionLobes {
 #[inline(always)]
 pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> ReflectionLobesLanes<I> {
     let (zero, one) = (i.f32(0.0), i.f32(1.0));
-    let (row, y) = split(i, roughness, SIDE);
-    let (column, x) = split(i, cosine.sqrt(), SIDE);
-    let at = (row * SIDE as i32 + column).to_u32();
-    let around = |words: &'static [u32; SIDE * SIDE]| match GatherTable::new(words) {
+    let (row, y) = split(i, roughness, ROWS);
+    let (column, x) = split(i, cosine.sqrt(), COLUMNS);
+    let at = (row * COLUMNS as i32 + column).to_u32();
+    let around = |words: &'static [u32; ROWS * COLUMNS]| match GatherTable::new(words) {
         Some(words) => {
             let [p, q] = i.gather_pairs(words, at);
-            let [r, s] = i.gather_pairs(words, at + SIDE as u32);
+            let [r, s] = i.gather_pairs(words, at + COLUMNS as u32);
             [p, q, r, s]
         }
         None => [i.u32(0); 4],
     };
-    let [a, b, c, d] = around(&table::LOBES[3]);
     let mut diffuse = one;
     let mut lobes = [ReflectionLobeLanes {
         lean: zero,
         roughness: zero,
         weight: zero,
-    }; 3];
+    }; LOBES];
     for (k, lobe) in lobes.iter_mut().enumerate() {
-        let [p, q, r, s] = around(&table::LOBES[k]);
-        let lean = bilinear::<I>([low::<I>(p), low::<I>(q), low::<I>(r), low::<I>(s)], x, y);
-        let factor = bilinear::<I>(
-            [high::<I>(p), high::<I>(q), high::<I>(r), high::<I>(s)],
-            x,
-            y,
-        );
-        let shift = 10 * k as u32;
-        let weights = [
-            weight::<I>(a >> shift),
-            weight::<I>(b >> shift),
-            weight::<I>(c >> shift),
-            weight::<I>(d >> shift),
-        ];
-        lobe.lean = lean * (1.0 / 16384.0) - 2.0;
-        lobe.roughness = factor * (1.0 / 32768.0) * roughness;
-        lobe.weight = bilinear::<I>(weights, x, y) * (1.0 / 1023.0);
+        let words = around(&table::LOBES[k]);
+        let lean = field::<I>(words, 0, 4095, x, y);
+        let factor = field::<I>(words, 12, 1023, x, y);
+        lobe.lean = lean * (2.5 / 4095.0) - 1.5;
+        lobe.roughness = (factor * (0.5 / 1023.0) + LEAST_FACTOR) * roughness;
+        lobe.weight = field::<I>(words, 22, 1023, x, y) * (1.0 / 1023.0);
         diffuse = diffuse - lobe.weight;
     }
     ReflectionLobesLanes { lobes, diffuse }
 }
 
+/// Bits of four words of the table, and the value between them.
 #[inline(always)]
-fn weight<I: Isa>(word: I::U32) -> I::F32 {
-    (word & 1023).to_i32().to_f32()
+fn field<I: Isa>([p, q, r, s]: [I::U32; 4], shift: u32, mask: u32, x: I::F32, y: I::F32) -> I::F32 {
+    let value = [
+        ((p >> shift) & mask).to_i32().to_f32(),
+        ((q >> shift) & mask).to_i32().to_f32(),
+        ((r >> shift) & mask).to_i32().to_f32(),
+        ((s >> shift) & mask).to_i32().to_f32(),
+    ];
+    bilinear::<I>(value, x, y)
 }

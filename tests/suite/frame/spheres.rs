@@ -137,7 +137,7 @@ fn errors() -> Vec<[f64; 7]> {
     out
 }
 
-/// Three lobes stand for that of a surface: they are off by most where it is as wide as the studio's windows. The two smoothest columns are
+/// Up to four lobes stand for that of a surface: they are off by most where it is as wide as the studio's windows. The two smoothest columns are
 /// left out, whose lobes are narrower than the texels of the integral, and brighter than white.
 #[test]
 fn spheres_in_the_studio_are_near_the_integral() {

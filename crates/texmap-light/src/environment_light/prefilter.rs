@@ -6,7 +6,7 @@ use texmap_math::simd::{Scalar, prelude::*};
 
 use super::gather::{Kernel, Texels};
 use super::levels::Levels;
-use super::roughnesses::{Roughnesses, STEPS};
+use super::roughnesses::{Roughnesses, STEPS, roughness_of};
 use super::{EnvironmentLight, studio};
 use crate::EnvironmentLayout;
 use crate::environment::Environment;
@@ -35,7 +35,7 @@ const MOST: f32 = 1e6;
 
 /// Texels a side of a level of roughness, from a cube of `most`.
 pub(super) fn level_size(most: u32, step: usize) -> u32 {
-    most.min(side(step as f32 / STEPS as f32))
+    most.min(side(roughness_of(step)))
 }
 
 /// Texels a side that the lobe of a roughness needs, at most.
@@ -109,9 +109,8 @@ impl Prefilter {
         self.around = Some(diffuse);
         for step in roughnesses.levels() {
             if self.rough[step - 1].is_none() {
-                let roughness = step as f32 / STEPS as f32;
                 let size = level_size(self.cube.size().0, step);
-                self.rough[step - 1] = Some(self.lobe(layout, size, roughness)?);
+                self.rough[step - 1] = Some(self.lobe(layout, size, roughness_of(step))?);
             }
         }
         let mut levels = [None; STEPS];

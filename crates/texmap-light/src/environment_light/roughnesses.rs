@@ -2,13 +2,32 @@
 
 use core::ops::BitOr;
 
-use texmap_math::simd::{F32s, Scalar};
+use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::metallic_roughness::MIN_ROUGHNESS;
 use crate::reflection_lobes::LEAST_FACTOR;
 
 /// Levels of roughness but the first.
-pub(super) const STEPS: usize = 10;
+pub(super) const STEPS: usize = 11;
+
+/// The level of a roughness within 0 to 1: steps of 0.1, and one of 0.15, as the widths of lobes are squares of roughnesses. Below the
+/// first it is a cube: the share of that level's light that is about as wide as the lobe.
+#[inline(always)]
+pub(super) fn level<I: Isa>(i: I, roughness: I::F32) -> I::F32 {
+    let (zero, one) = (i.f32(0.0), i.f32(1.0));
+    let tenths = roughness * 10.0;
+    let smooth = tenths.below(one);
+    smooth * smooth * smooth + (tenths - 1.0).clamp(zero, one) * 2.0 + (tenths - 2.0).above(zero)
+}
+
+/// The roughness of a level.
+pub(super) fn roughness_of(level: usize) -> f32 {
+    match level {
+        0 | 1 => level as f32 / 10.0,
+        2 => 0.15,
+        _ => (level - 1) as f32 / 10.0,
+    }
+}
 
 /// The levels of an [`EnvironmentLight`](crate::EnvironmentLight) that surfaces of some roughnesses read. The environment itself belongs
 /// to every set.
@@ -30,7 +49,7 @@ impl Roughnesses {
     #[must_use]
     pub fn between(low: f32, high: f32) -> Self {
         let level =
-            |roughness: f32| F32s::<Scalar>::clamp(roughness, MIN_ROUGHNESS, 1.0) * STEPS as f32;
+            |roughness: f32| level(Scalar, F32s::<Scalar>::clamp(roughness, MIN_ROUGHNESS, 1.0));
         let (low, high) = (level(low), level(high));
         let first = F32s::<Scalar>::floor(low) as usize;
         let below = F32s::<Scalar>::floor(high) as usize;
@@ -82,15 +101,25 @@ mod tests {
 
     #[test]
     fn a_roughness_reads_the_levels_around_it() {
-        assert_eq!(levels(0.55, 0.55), [5, 6]);
-        assert_eq!(levels(0.5, 0.5), [5]);
-        assert_eq!(levels(1.0, 7.0), [10]);
+        assert_eq!(levels(0.55, 0.55), [6, 7]);
+        assert_eq!(levels(0.5, 0.5), [6]);
+        assert_eq!(levels(0.16, 0.17), [2, 3]);
+        assert_eq!(levels(1.0, 7.0), [11]);
         // A mirror counts as a little rough: levels 0 and 1.
         assert_eq!(levels(0.0, 0.0), [1]);
         assert_eq!(levels(f32::NAN, f32::NAN), [1]);
         assert_eq!(levels(0.0, 1.0), Vec::from_iter(1..=STEPS));
         assert_eq!(Roughnesses::between(0.0, 1.0), Roughnesses::ALL);
         assert_eq!(Roughnesses::NONE.levels().count(), 0);
+    }
+
+    #[test]
+    fn levels_have_the_roughnesses_that_are_read_from_them() {
+        for k in 0..=STEPS {
+            let read = level(Scalar, roughness_of(k));
+            assert!((read - k as f32).abs() < 1e-5, "{k}: {read}");
+        }
+        assert_eq!(level(Scalar, 0.125), 1.5);
     }
 
     #[test]

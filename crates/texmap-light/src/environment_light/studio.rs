@@ -25,7 +25,7 @@ const fn texels(side: usize) -> usize {
 static ROOM: &[u8; 4 * texels(64)] = include_bytes!("studio/room.f32");
 /// Those of the light of a diffuse surface and of the levels of roughness but the first, in the words of [`shared_exponent`]: nine bits
 /// of one channel and five of the exponent, the low byte first.
-static GATHERED: &[u8; 2 * (3 * texels(64) + 4 * texels(32) + 4 * texels(16))] =
+static GATHERED: &[u8; 2 * (4 * texels(64) + 4 * texels(32) + 4 * texels(16))] =
     include_bytes!("studio/gathered.u14");
 
 /// The light of the room as its eye sees it.

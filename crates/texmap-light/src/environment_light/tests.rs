@@ -148,7 +148,7 @@ fn turns_are_about_the_vertical() {
 #[test]
 fn the_studio_is_a_bright_room() {
     let studio = EnvironmentLight::studio();
-    assert_eq!((studio.size(), studio.levels()), (64, 11));
+    assert_eq!((studio.size(), studio.levels()), (64, 12));
     let window = studio.radiance(0.0, narrow(DVec3::new(-14.0, 6.5, 8.0)));
     assert!((58.0..=66.0).contains(&window[0]), "{window:?}");
     assert_eq!(window[0], window[1]);

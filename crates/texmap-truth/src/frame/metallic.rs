@@ -1,7 +1,7 @@
 //! Metallic-roughness surfaces in f64: their numbers by maps, and the light that they return.
 //!
 //! Lights go by the BRDF of [`texmap_light::reference::metallic_roughness`]. The environment light is taken as its levels are: light that
-//! is even within each lobe: one look-up for the base, three for its lobe (`ReflectionLobes`) and one for the clear layer (Karis 2013).
+//! is even within each lobe: one look-up for the base, up to four for its lobe (`ReflectionLobes`) and one for the clear layer (Karis 2013).
 
 use std::sync::OnceLock;
 
