@@ -1,5 +1,5 @@
-//! One list of hashes for every machine: random scenes with every effect, the scenes and pictures of `assets`, arrays beside the
-//! colour, and the functions that are called without a scene.
+//! One list of hashes for every machine: random scenes with every effect, the scenes, models and pictures of `assets`, arrays
+//! beside the colour, and the functions that are called without a scene.
 //!
 //! `tests/golden/targets.txt` holds the list. The suite `frame` holds every SIMD level of this machine against it, `.ci/targets` the
 //! builds for other machines. `TEXMAP_BLESS=1 cargo test --workspace --test frame targets` rewrites it.
@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use texmap_mesh::tessellate;
 
 pub use effects::Folders;
+use texmap_io::framing::{Up, light_as_model};
 use texmap_io::{IoError, LoadOptions, image_io, load, read_environment, write_environment};
 use texmap_light::{Environment, EnvironmentLayout};
 use texmap_math::Level;
@@ -68,8 +69,14 @@ pub fn hashes(
             .map_err(|error| format!("{name}: {error}"))?;
         writeln!(list, "{}", line(&name, &frame))?;
     }
-    for path in files(&folders.assets.join("scenes"), &["scene"])? {
-        let scene = load(&path, &LoadOptions::default())?;
+    let scenes = files(&folders.assets.join("scenes"), &["scene"])?;
+    let models = files(&folders.assets.join("gltf"), &["glb", "gltf"])?;
+    let models = models.into_iter().map(|path| (path, true));
+    for (path, model) in scenes.into_iter().map(|path| (path, false)).chain(models) {
+        let mut scene = load(&path, &LoadOptions::default())?;
+        if model {
+            light_as_model(&mut scene, Up::Y);
+        }
         let settings = RenderSettings {
             level,
             aovs: Aov::ALL.to_vec(),
