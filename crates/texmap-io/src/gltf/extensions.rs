@@ -29,7 +29,7 @@ pub(super) const KNOWN: [(&str, Support); 31] = {
             Partial("its environment is not read"),
         ),
         ("EXT_mesh_gpu_instancing", Full),
-        ("EXT_meshopt_compression", Encoded(DECODE)),
+        ("EXT_meshopt_compression", Full),
         (
             "EXT_texture_avif",
             Encoded("convert its pictures with `npx @gltf-transform/cli png IN.glb OUT.glb`"),
@@ -76,7 +76,7 @@ pub(super) const KNOWN: [(&str, Support); 31] = {
             Partial("surfaces are drawn without their inside"),
         ),
         ("KHR_mesh_quantization", Full),
-        ("KHR_meshopt_compression", Encoded(DECODE)),
+        ("KHR_meshopt_compression", Full),
         (
             "KHR_animation_pointer",
             Partial("only nodes and weights are animated"),

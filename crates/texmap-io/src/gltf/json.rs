@@ -117,6 +117,31 @@ pub(super) struct SparsePart {
 pub(super) struct Buffer {
     pub(super) byte_length: u64,
     pub(super) uri: Option<String>,
+    #[serde(default)]
+    pub(super) extensions: BufferExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct BufferExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    ext_meshopt: Option<Fallback>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr_meshopt: Option<Fallback>,
+}
+
+impl BufferExtensions {
+    /// True if the buffer is only for readers that do not know the compression of its views.
+    pub(super) fn is_fallback(&self) -> bool {
+        let stated = [&self.ext_meshopt, &self.khr_meshopt];
+        stated.into_iter().flatten().any(|buffer| buffer.fallback)
+    }
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Fallback {
+    #[serde(default)]
+    fallback: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -135,7 +160,32 @@ pub(super) struct BufferView {
 #[serde(default)]
 pub(super) struct BufferViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
-    pub(super) meshopt: Option<Present>,
+    ext_meshopt: Option<Meshopt>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    khr_meshopt: Option<Meshopt>,
+}
+
+impl BufferViewExtensions {
+    /// The compressed bytes of the view, and the name of their extension.
+    pub(super) fn meshopt(&self) -> Option<(&'static str, &Meshopt)> {
+        let ext = self.ext_meshopt.as_ref();
+        let khr = self.khr_meshopt.as_ref();
+        ext.map(|m| ("EXT_meshopt_compression", m))
+            .or(khr.map(|m| ("KHR_meshopt_compression", m)))
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Meshopt {
+    pub(super) buffer: usize,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    pub(super) byte_length: u64,
+    pub(super) byte_stride: u64,
+    pub(super) count: u64,
+    pub(super) mode: String,
+    pub(super) filter: Option<String>,
 }
 
 /// An extension of which only its presence is read.

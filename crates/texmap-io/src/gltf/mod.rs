@@ -13,6 +13,7 @@ mod layers;
 mod lights;
 mod materials;
 mod meshes;
+mod meshopt;
 mod model;
 mod nodes;
 mod phong;

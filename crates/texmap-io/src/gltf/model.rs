@@ -21,6 +21,8 @@ pub(super) struct Model<'a> {
     /// The whole file.
     bytes: Vec<u8>,
     buffers: Vec<Buffer>,
+    /// The bytes of views that are compressed, by the number of the view.
+    decoded: Vec<Option<Vec<u8>>>,
     /// Each once, in the order of their causes.
     pub(super) warnings: Vec<String>,
     warned: HashSet<String>,
@@ -53,6 +55,7 @@ impl<'a> Model<'a> {
             files: files.confined(path)?,
             bytes,
             buffers: Vec::new(),
+            decoded: Vec::new(),
             warnings: Vec::new(),
             warned: HashSet::new(),
             named: Vec::new(),
@@ -65,6 +68,7 @@ impl<'a> Model<'a> {
             let buffer = model.buffer(i, binary.take().filter(|_| i == 0))?;
             model.buffers.push(buffer);
         }
+        model.decoded = super::meshopt::decoded(&model)?;
         Ok(model)
     }
 
@@ -75,7 +79,10 @@ impl<'a> Model<'a> {
     ) -> Result<Buffer, IoError> {
         let stated = self.document.buffers[i].byte_length;
         let pointer = format!("/buffers/{i}");
+        let unread = self.document.buffers[i].extensions.is_fallback();
         let buffer = match (&self.document.buffers[i].uri, binary) {
+            // Views are decoded instead.
+            (Some(_), _) if unread => return Ok(Buffer::Own(Vec::new())),
             (Some(uri), _) => {
                 let uri = uri.clone();
                 match self.named_bytes(&format!("{pointer}/uri"), &uri)? {
@@ -84,7 +91,7 @@ impl<'a> Model<'a> {
                 }
             }
             (None, Some(range)) => Buffer::Binary(range),
-            // The fallback of compressed data; views that read the fallback are refused.
+            // The place of data that is compressed elsewhere.
             (None, None) => Buffer::Own(Vec::new()),
         };
         let found = match &buffer {
@@ -151,37 +158,38 @@ impl<'a> Model<'a> {
     pub(super) fn view(&self, index: usize, pointer: &str) -> Result<Option<&[u8]>, IoError> {
         let views = &self.document.buffer_views;
         let view = self.item(views, index, pointer, "bufferView")?;
-        let at = || format!("/bufferViews/{index}");
-        let bytes = match self.item(
-            &self.buffers,
-            view.buffer,
-            &format!("{}/buffer", at()),
-            "buffer",
-        )? {
+        if view.extensions.meshopt().is_some() {
+            return Ok(self.decoded.get(index).and_then(Option::as_deref));
+        }
+        let at = format!("/bufferViews/{index}");
+        self.slice(view.buffer, view.byte_offset, view.byte_length, &at)
+    }
+
+    /// Bytes `start..start + length` of a buffer, which the part at `pointer` names; `None` where it was lost.
+    pub(super) fn slice(
+        &self,
+        buffer: usize,
+        start: u64,
+        length: u64,
+        pointer: &str,
+    ) -> Result<Option<&[u8]>, IoError> {
+        let named_at = format!("{pointer}/buffer");
+        let bytes = match self.item(&self.buffers, buffer, &named_at, "buffer")? {
             Buffer::Binary(range) => &self.bytes[range.clone()],
             Buffer::Own(bytes) => bytes,
             Buffer::Lost => return Ok(None),
         };
-        let start = view.byte_offset;
-        let end = start.checked_add(view.byte_length);
+        let end = start.checked_add(length);
         let slice =
             end.and_then(|end| bytes.get(usize::try_from(start).ok()?..usize::try_from(end).ok()?));
-        match slice {
-            Some(slice) => Ok(Some(slice)),
-            None if view.extensions.meshopt.is_some() => {
-                let (name, help) = ("EXT_meshopt_compression", super::extensions::DECODE);
-                Err(self.unsupported(&at(), name, help.to_owned()))
-            }
-            None => Err(self.broken(
-                &at(),
-                format!(
-                    "bytes {start} to {} lie outside of buffer {}, which has {}",
-                    start.saturating_add(view.byte_length),
-                    view.buffer,
-                    bytes.len()
-                ),
-            )),
-        }
+        slice.map(Some).ok_or_else(|| {
+            let problem = format!(
+                "bytes {start} to {} lie outside of buffer {buffer}, which has {}",
+                start.saturating_add(length),
+                bytes.len()
+            );
+            self.broken(pointer, problem)
+        })
     }
 
     /// The item of a list that `pointer` names by its index.

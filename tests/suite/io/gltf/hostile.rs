@@ -7,8 +7,9 @@ use texmap_io::{FileSource, LoadOptions, load};
 use texmap_math::MemoryBudget;
 
 use super::asset;
+use super::compressed::data;
 
-const SEEDS: [&str; 9] = [
+const SEEDS: [&str; 12] = [
     "box.glb",
     "plates.gltf",
     "mirrored.glb",
@@ -18,6 +19,9 @@ const SEEDS: [&str; 9] = [
     "quantized.glb",
     "two_uv.glb",
     "instances.glb",
+    "bent.meshopt.glb",
+    "instances.meshopt.glb",
+    "materials.meshopt.glb",
 ];
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
@@ -82,7 +86,10 @@ fn mutate(bytes: &mut Vec<u8>, rng: &mut Rng) {
 fn ten_thousand_mutants_are_read_or_refused() {
     let seeds: Vec<Vec<u8>> = SEEDS
         .iter()
-        .map(|name| std::fs::read(asset(name)).expect("an asset"))
+        .map(|name| match name.contains("meshopt") {
+            true => std::fs::read(data(name)).expect("test data"),
+            false => std::fs::read(asset(name)).expect("an asset"),
+        })
         .collect();
     let buffer = std::fs::read(asset("plates.bin")).expect("an asset");
     let picture = std::fs::read(asset("leaf card.png")).expect("an asset");

@@ -1,5 +1,6 @@
 //! glTF models: those of the assets, small ones made here, and broken ones.
 
+mod compressed;
 mod faults;
 mod geometry;
 mod hostile;
