@@ -71,22 +71,33 @@ fn read(
     Ok(())
 }
 
-/// Sixteen differences of 0, 1, 2, 4 or 8 bits. One of 1, 2 or 4 bits that are all set stands in a byte of its own behind them.
+/// Sixteen differences of 0, 1, 2, 4 or 8 bits.
 fn group(reader: &mut Reader<'_>, bits: usize, out: &mut [u8; GROUP]) -> Result<(), String> {
     match bits {
         0 => out.fill(0),
-        8 => out.copy_from_slice(reader.take(GROUP)?),
-        _ => {
-            let packed = reader.take(2 * bits)?;
-            let all = (1_u8 << bits) - 1;
-            for (k, out) in out.iter_mut().enumerate() {
-                let bit = k * bits % 8;
-                // Single bits begin with the lowest, the others with the highest.
-                let shift = if bits == 1 { bit } else { 8 - bits - bit };
-                let value = packed[k * bits / 8] >> shift & all;
-                *out = if value == all { reader.byte()? } else { value };
-            }
-        }
+        1 => packed::<1>(reader, out)?,
+        2 => packed::<2>(reader, out)?,
+        4 => packed::<4>(reader, out)?,
+        _ => out.copy_from_slice(reader.take(GROUP)?),
+    }
+    Ok(())
+}
+
+/// Sixteen differences of some bits. One whose bits are all set stands in a byte of its own behind them.
+fn packed<const BITS: usize>(reader: &mut Reader<'_>, out: &mut [u8; GROUP]) -> Result<(), String> {
+    let packed = reader.take(2 * BITS)?;
+    let all = (1_u8 << BITS) - 1;
+    let mut apart = 0_u32;
+    for (k, out) in out.iter_mut().enumerate() {
+        let bit = k * BITS % 8;
+        // Single bits begin with the lowest, the others with the highest.
+        let shift = if BITS == 1 { bit } else { 8 - BITS - bit };
+        *out = (packed[k * BITS / 8] >> shift) & all;
+        apart |= u32::from(*out == all) << k;
+    }
+    while apart != 0 {
+        out[apart.trailing_zeros() as usize] = reader.byte()?;
+        apart &= apart - 1;
     }
     Ok(())
 }
