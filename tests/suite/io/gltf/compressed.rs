@@ -153,10 +153,7 @@ fn faults_of_a_stream_are_named_with_their_view() {
         ),
     ];
     for (stream, extension, problem) in cases {
-        let message = sequence(stream, &extension)
-            .err()
-            .expect(problem)
-            .to_string();
+        let message = sequence(stream, &extension).expect_err(problem).to_string();
         let at = "a.gltf: /bufferViews/1/extensions/KHR_meshopt_compression: ";
         assert!(
             message.starts_with(at) && message.ends_with(problem),
@@ -182,8 +179,6 @@ fn large_counts_are_asked_of_the_memory() {
         files: files.with_memory(MemoryBudget::new(1 << 20)),
         ..LoadOptions::default()
     };
-    let error = load(Path::new("a.gltf"), &options)
-        .err()
-        .expect("a budget of less");
+    let error = load(Path::new("a.gltf"), &options).expect_err("a budget of less");
     assert_eq!(error.code(), "over-memory-budget", "{error}");
 }

@@ -25,7 +25,7 @@ pub(super) fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8
 
     let mut out = vec![0; count * stride];
     let mut before = first.to_vec();
-    let most = (8192 / stride & !(GROUP - 1)).min(BLOCK);
+    let most = ((8192 / stride) & !(GROUP - 1)).min(BLOCK);
     for block in out.chunks_mut(most * stride) {
         let elements = block.len() / stride;
         let controls = reader.take(if newer { stride / 4 } else { 0 })?;
