@@ -118,30 +118,7 @@ pub(super) struct Buffer {
     pub(super) byte_length: u64,
     pub(super) uri: Option<String>,
     #[serde(default)]
-    pub(super) extensions: BufferExtensions,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(super) struct BufferExtensions {
-    #[serde(rename = "EXT_meshopt_compression")]
-    ext_meshopt: Option<Fallback>,
-    #[serde(rename = "KHR_meshopt_compression")]
-    khr_meshopt: Option<Fallback>,
-}
-
-impl BufferExtensions {
-    /// True if the buffer is only for readers that do not know the compression of its views.
-    pub(super) fn is_fallback(&self) -> bool {
-        let stated = [&self.ext_meshopt, &self.khr_meshopt];
-        stated.into_iter().flatten().any(|buffer| buffer.fallback)
-    }
-}
-
-#[derive(Debug, Deserialize)]
-pub(super) struct Fallback {
-    #[serde(default)]
-    fallback: bool,
+    pub(super) extensions: Compression<Fallback>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -153,29 +130,35 @@ pub(super) struct BufferView {
     pub(super) byte_length: u64,
     pub(super) byte_stride: Option<u64>,
     #[serde(default)]
-    pub(super) extensions: BufferViewExtensions,
+    pub(super) extensions: Compression<Meshopt>,
 }
 
+/// The two extensions of buffers and views that are compressed by meshoptimizer.
 #[derive(Debug, Default, Deserialize)]
-#[serde(default)]
-pub(super) struct BufferViewExtensions {
+pub(super) struct Compression<T> {
     #[serde(rename = "EXT_meshopt_compression")]
-    ext_meshopt: Option<Meshopt>,
+    ext: Option<T>,
     #[serde(rename = "KHR_meshopt_compression")]
-    khr_meshopt: Option<Meshopt>,
+    khr: Option<T>,
 }
 
-impl BufferViewExtensions {
-    /// The compressed bytes of the view, and the name of their extension.
-    pub(super) fn meshopt(&self) -> Option<(&'static str, &Meshopt)> {
-        let ext = self.ext_meshopt.as_ref();
-        let khr = self.khr_meshopt.as_ref();
-        ext.map(|m| ("EXT_meshopt_compression", m))
-            .or(khr.map(|m| ("KHR_meshopt_compression", m)))
+impl<T> Compression<T> {
+    /// Those that are there, by name.
+    pub(super) fn stated(&self) -> impl Iterator<Item = (&'static str, &T)> {
+        let ext = self.ext.iter().map(|it| ("EXT_meshopt_compression", it));
+        let khr = self.khr.iter().map(|it| ("KHR_meshopt_compression", it));
+        ext.chain(khr)
     }
 }
 
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Fallback {
+    /// True if the buffer is only for readers that do not know the compression of its views.
+    #[serde(default)]
+    pub(super) fallback: bool,
+}
+
+#[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Meshopt {
     pub(super) buffer: usize,

@@ -79,17 +79,15 @@ impl<'a> Model<'a> {
     ) -> Result<Buffer, IoError> {
         let stated = self.document.buffers[i].byte_length;
         let pointer = format!("/buffers/{i}");
-        let unread = self.document.buffers[i].extensions.is_fallback();
-        let buffer = match (&self.document.buffers[i].uri, binary) {
-            // Views are decoded instead.
-            (Some(_), _) if unread => return Ok(Buffer::Own(Vec::new())),
-            (Some(uri), _) => {
-                let uri = uri.clone();
-                match self.named_bytes(&format!("{pointer}/uri"), &uri)? {
-                    Some(bytes) => Buffer::Own(bytes),
-                    None => Buffer::Lost,
-                }
-            }
+        let own = &self.document.buffers[i];
+        // Views of a fallback are decoded instead.
+        let is_fallback = own.extensions.stated().any(|(_, it)| it.fallback);
+        let uri = own.uri.clone().filter(|_| !is_fallback);
+        let buffer = match (&uri, binary) {
+            (Some(uri), _) => match self.named_bytes(&format!("{pointer}/uri"), uri)? {
+                Some(bytes) => Buffer::Own(bytes),
+                None => Buffer::Lost,
+            },
             (None, Some(range)) => Buffer::Binary(range),
             // The place of data that is compressed elsewhere.
             (None, None) => Buffer::Own(Vec::new()),
@@ -99,7 +97,7 @@ impl<'a> Model<'a> {
             Buffer::Own(bytes) => bytes.len() as u64,
             Buffer::Lost => return Ok(buffer),
         };
-        if found < stated && self.document.buffers[i].uri.is_some() {
+        if found < stated && uri.is_some() {
             return Err(self.broken(&pointer, format!("should have {stated} bytes, has {found}")));
         }
         Ok(buffer)
@@ -158,7 +156,7 @@ impl<'a> Model<'a> {
     pub(super) fn view(&self, index: usize, pointer: &str) -> Result<Option<&[u8]>, IoError> {
         let views = &self.document.buffer_views;
         let view = self.item(views, index, pointer, "bufferView")?;
-        if view.extensions.meshopt().is_some() {
+        if view.extensions.stated().next().is_some() {
             return Ok(self.decoded.get(index).and_then(Option::as_deref));
         }
         let at = format!("/bufferViews/{index}");

@@ -1,6 +1,6 @@
-//! Filters: what elements are turned into after decoding.
+//! Filters: transforms of elements after decoding.
 
-/// What elements hold.
+/// A filter, by the kind of its elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Filter {
     /// Unit vectors on an octahedron, of 8 or 16 bits a component.
@@ -24,12 +24,12 @@ impl Filter {
         }
     }
 
-    /// True if it goes with elements of so many bytes.
+    /// True if it goes with attributes of so many bytes.
     pub(super) fn fits(self, stride: usize) -> bool {
         match self {
             Self::Octahedral | Self::Color => stride == 4 || stride == 8,
             Self::Quaternion => stride == 8,
-            Self::Exponential => (4..=256).contains(&stride) && stride.is_multiple_of(4),
+            Self::Exponential => true,
         }
     }
 

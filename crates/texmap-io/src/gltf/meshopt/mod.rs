@@ -13,16 +13,6 @@ use super::json::{BufferView, Meshopt};
 use super::model::Model;
 use crate::IoError;
 
-/// The stream of a view.
-struct Stream<'a> {
-    bytes: &'a [u8],
-    mode: Mode,
-    filter: Option<filters::Filter>,
-    count: usize,
-    /// Bytes of an element.
-    stride: usize,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mode {
     Attributes,
@@ -33,13 +23,15 @@ enum Mode {
 /// The bytes of every view that is compressed, by the number of the view; `None` for the others, and where a buffer was lost.
 pub(super) fn decoded(model: &Model<'_>) -> Result<Vec<Option<Vec<u8>>>, IoError> {
     let views = &model.document.buffer_views;
-    let compressed = views.iter().filter(|v| v.extensions.meshopt().is_some());
+    let compressed = views
+        .iter()
+        .filter(|v| v.extensions.stated().next().is_some());
     let bytes = compressed.fold(0_u64, |sum, view| sum.saturating_add(view.byte_length));
     model.ask(bytes, "/bufferViews")?;
     views
         .par_iter()
         .enumerate()
-        .map(|(i, view)| match view.extensions.meshopt() {
+        .map(|(i, view)| match view.extensions.stated().next() {
             Some((name, meshopt)) => {
                 let at = format!("/bufferViews/{i}/extensions/{name}");
                 view_of(model, view, meshopt, &at)
@@ -67,14 +59,13 @@ fn view_of(
         );
         return Err(model.broken(at, problem));
     }
-    let decoded = stream(bytes, meshopt).and_then(|stream| stream.decode());
-    decoded
+    decode(bytes, meshopt)
         .map(Some)
         .map_err(|problem| model.broken(at, problem))
 }
 
-/// Checks what the document says of a stream.
-fn stream<'a>(bytes: &'a [u8], meshopt: &Meshopt) -> Result<Stream<'a>, String> {
+/// The elements of a stream, of which the document says enough and nothing that contradicts itself.
+fn decode(bytes: &[u8], meshopt: &Meshopt) -> Result<Vec<u8>, String> {
     let mode = match meshopt.mode.as_str() {
         "ATTRIBUTES" => Mode::Attributes,
         "TRIANGLES" => Mode::Triangles,
@@ -91,8 +82,11 @@ fn stream<'a>(bytes: &'a [u8], meshopt: &Meshopt) -> Result<Stream<'a>, String> 
     let whole = |n: u64| usize::try_from(n).map_err(|_| format!("{n} bytes are too many"));
     let (count, stride) = (whole(meshopt.count)?, whole(meshopt.byte_stride)?);
     let fits = match (mode, filter) {
-        (Mode::Attributes, None) => (4..=256).contains(&stride) && stride.is_multiple_of(4),
-        (Mode::Attributes, Some(filter)) => filter.fits(stride),
+        (Mode::Attributes, filter) => {
+            (4..=256).contains(&stride)
+                && stride.is_multiple_of(4)
+                && filter.is_none_or(|filter| filter.fits(stride))
+        }
         (_, None) => stride == 2 || stride == 4,
         (_, Some(_)) => return Err("indices have no filter".to_owned()),
     };
@@ -104,28 +98,16 @@ fn stream<'a>(bytes: &'a [u8], meshopt: &Meshopt) -> Result<Stream<'a>, String> 
     if mode == Mode::Triangles && !count.is_multiple_of(3) {
         return Err(format!("{count} indices are not whole triangles"));
     }
-    Ok(Stream {
-        bytes,
-        mode,
-        filter,
-        count,
-        stride,
-    })
-}
-
-impl Stream<'_> {
-    fn decode(&self) -> Result<Vec<u8>, String> {
-        match self.mode {
-            Mode::Attributes => {
-                let mut bytes = attributes::decode(self.bytes, self.count, self.stride)?;
-                if let Some(filter) = self.filter {
-                    filter.decode(&mut bytes, self.stride);
-                }
-                Ok(bytes)
+    match mode {
+        Mode::Attributes => {
+            let mut elements = attributes::decode(bytes, count, stride)?;
+            if let Some(filter) = filter {
+                filter.decode(&mut elements, stride);
             }
-            Mode::Triangles => indices::triangles(self.bytes, self.count, self.stride),
-            Mode::Indices => indices::sequence(self.bytes, self.count, self.stride),
+            Ok(elements)
         }
+        Mode::Triangles => indices::triangles(bytes, count, stride),
+        Mode::Indices => indices::sequence(bytes, count, stride),
     }
 }
 
