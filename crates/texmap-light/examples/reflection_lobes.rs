@@ -15,7 +15,7 @@ use texmap_math::glam::DVec3;
 const ROWS: usize = 31;
 const COLUMNS: usize = 16;
 const LOBES: usize = 4;
-/// From this roughness on three lobes are enough.
+/// From this roughness on one lobe less is enough.
 const ALL_LOBES_TO: f64 = 0.49;
 /// Leans and factors of roughness.
 const PARAMETERS: usize = 2 * LOBES;
@@ -219,7 +219,7 @@ impl Fit {
         let terms = self.terms(parameters);
         let fitted = |term: usize| match term {
             LOBES => self.roughness > EVEN_FROM,
-            _ => term < 3 || self.roughness < ALL_LOBES_TO,
+            _ => term < LOBES - 1 || self.roughness < ALL_LOBES_TO,
         };
         let fitted: Vec<usize> = (0..TERMS).filter(|term| fitted(*term)).collect();
         // Normal equations, the sum of 1 as a heavy row.
@@ -360,7 +360,8 @@ fn ggx(width: f64, view: DVec3, l: DVec3) -> f64 {
 /// Widths of the lobes of the two levels that an environment's light reads for a roughness, and their shares over their integrals.
 fn levels(roughness: f64) -> [(f64, f64); 2] {
     let at = EnvironmentLight::level_of_roughness(roughness as f32);
-    let low = at.floor().min(10.0);
+    let last = EnvironmentLight::level_of_roughness(1.0);
+    let low = at.floor().min(last - 1.0);
     [(low, 1.0 - (at - low)), (low + 1.0, at - low)].map(|(level, share)| {
         let roughness = f64::from(EnvironmentLight::roughness_of_level(level as usize));
         // The environment itself has no width; this is one too small to matter.

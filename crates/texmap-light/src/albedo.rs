@@ -101,12 +101,12 @@ pub(crate) fn split<I: Isa>(i: I, c: I::F32, side: usize) -> (I::I32, I::F32) {
 }
 
 #[inline(always)]
-pub(crate) fn low<I: Isa>(word: I::U32) -> I::F32 {
+fn low<I: Isa>(word: I::U32) -> I::F32 {
     (word & 0xffff).to_i32().to_f32()
 }
 
 #[inline(always)]
-pub(crate) fn high<I: Isa>(word: I::U32) -> I::F32 {
+fn high<I: Isa>(word: I::U32) -> I::F32 {
     (word >> 16).to_i32().to_f32()
 }
 

@@ -115,7 +115,6 @@ impl EnvironmentLight {
     /// ```
     #[must_use]
     pub fn level_of_roughness(roughness: f32) -> f32 {
-        let roughness = if roughness.is_nan() { 0.0 } else { roughness };
         level(Scalar, F32s::<Scalar>::clamp(roughness, 0.0, 1.0))
     }
 

@@ -87,7 +87,7 @@ pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> Reflecti
         let lean = field::<I>(words, 0, 4095, x, y);
         let factor = field::<I>(words, 12, 1023, x, y);
         lobe.lean = lean * (2.5 / 4095.0) - 1.5;
-        lobe.roughness = (factor * (0.5 / 1023.0) + LEAST_FACTOR) * roughness;
+        lobe.roughness = (factor * ((1.0 - LEAST_FACTOR) / 1023.0) + LEAST_FACTOR) * roughness;
         lobe.weight = field::<I>(words, 22, 1023, x, y) * (1.0 / 1023.0);
         diffuse = diffuse - lobe.weight;
     }
