@@ -69,24 +69,28 @@ pub fn hashes(
             .map_err(|error| format!("{name}: {error}"))?;
         writeln!(list, "{}", line(&name, &frame))?;
     }
-    let scenes = files(&folders.assets.join("scenes"), &["scene"])?;
-    let models = files(&folders.assets.join("gltf"), &["glb", "gltf"])?;
-    let models = models.into_iter().map(|path| (path, true));
-    for (path, model) in scenes.into_iter().map(|path| (path, false)).chain(models) {
+    for path in files(&folders.assets.join("scenes"), &["scene"])? {
+        let scene = load(&path, &LoadOptions::default())?;
+        writeln!(list, "{}", drawn(scene, &path, level)?)?;
+    }
+    for path in files(&folders.assets.join("gltf"), &["glb", "gltf"])? {
         let mut scene = load(&path, &LoadOptions::default())?;
-        if model {
-            light_as_model(&mut scene, Up::Y);
-        }
-        let settings = RenderSettings {
-            level,
-            aovs: Aov::ALL.to_vec(),
-            ..RenderSettings::new(160, 120)
-        };
-        let scene = tessellate(scene, settings.width)?;
-        let frame = render(&scene, &settings, &texmap_render::no_progress)?;
-        writeln!(list, "{}", line(&name_of(&path), &frame))?;
+        light_as_model(&mut scene, Up::Y);
+        writeln!(list, "{}", drawn(scene, &path, level)?)?;
     }
     Ok(list)
+}
+
+/// The line of a file's scene, with every array.
+fn drawn(scene: Scene, path: &Path, level: Level) -> Result<String, Box<dyn Error>> {
+    let settings = RenderSettings {
+        level,
+        aovs: Aov::ALL.to_vec(),
+        ..RenderSettings::new(160, 120)
+    };
+    let scene = tessellate(scene, settings.width)?;
+    let frame = render(&scene, &settings, &texmap_render::no_progress)?;
+    Ok(line(&name_of(path), &frame))
 }
 
 /// The random scene of a seed, by way of its file.
