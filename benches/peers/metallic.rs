@@ -1,7 +1,7 @@
 //! llvmpipe's side of `pbr`: metallic-roughness under an environment gathered by lobes and two lights, by texmap's formulas.
 //!
 //! The sources of the formulas stand in `texmap-light`. The shader reads texmap's own sums of the environment (three levels of roughness,
-//! the diffuse one), its table of the split sum and its lobes, so that only look-ups and arithmetic differ.
+//! two of diffuse surfaces), its table of the split sum and its lobes, so that only look-ups and arithmetic differ.
 
 #![allow(
     clippy::undocumented_unsafe_blocks,
@@ -20,8 +20,8 @@ use crate::effects::{VERTEX, bind, vector};
 use crate::gl::program_of;
 
 const FRAGMENT: &str = "#version 330 core
-uniform sampler2D base, sums, lobes; uniform samplerCube diffuse, low, middle, high;
-uniform vec3 light, sun, eye, color; uniform vec2 mean, surface;
+uniform sampler2D base, sums, lobes; uniform samplerCube diffuse, grazing, low, middle, high;
+uniform vec3 light, sun, eye, color; uniform vec2 mean, slope, surface;
 in vec3 P, N; in vec2 t; out vec4 colour;
 float metal, rough, alpha, lost;
 vec2 albedo(float c) { return texture(sums, (vec2(sqrt(c), rough) * 63.0 + 0.5) / 64.0).rg; }
@@ -62,7 +62,9 @@ void main() {
     whole -= lobe.z;
   }
   glossy += even * whole;
-  vec3 c = even * (body + again) + glossy * (f0 * s.x + s.y);
+  float rise = 0.04 * slope.x + slope.y - more * (slope.x + slope.y);
+  vec3 under = even - (textureLod(grazing, n, 0.0).rgb - even) * (rise / left);
+  vec3 c = under * body + even * again + glossy * (f0 * s.x + s.y);
   colour = vec4(c + color * (lit(normalize(light - P)) + lit(sun)), 1.0);
 }";
 
@@ -71,10 +73,10 @@ const SIDE: usize = 128;
 /// Steps of roughness and of the cosine's square root in the table of the split sum.
 const STEPS: usize = 64;
 
-/// The program and its textures: the diffuse sum, those of three levels, the table of the split sum, the lobes.
+/// The program and its textures: the sums of diffuse surfaces, those of three levels, the table of the split sum, the lobes.
 pub(crate) struct Metallic {
     program: glow::Program,
-    textures: [glow::Texture; 6],
+    textures: [glow::Texture; 7],
 }
 
 impl Metallic {
@@ -100,20 +102,21 @@ impl Metallic {
             };
             let textures = [
                 cube(&|normal| light.irradiance(normal))?,
+                cube(&|normal| light.grazing(normal))?,
                 cube(&|way| light.radiance(level(0), way))?,
                 cube(&|way| light.radiance(level(1), way))?,
                 cube(&|way| light.radiance(level(2), way))?,
                 gl.create_texture()?,
                 gl.create_texture()?,
             ];
-            gl.bind_texture(glow::TEXTURE_2D, Some(textures[4]));
+            gl.bind_texture(glow::TEXTURE_2D, Some(textures[5]));
             let at = |k: usize| k as f32 / (STEPS - 1) as f32;
             let table: Vec<f32> = (0..STEPS * STEPS)
                 .flat_map(|k| split_sum(at(k / STEPS), at(k % STEPS).powi(2)))
                 .collect();
             floats(gl, (glow::TEXTURE_2D, glow::RG16, glow::RG), STEPS, &table);
             gl.tex_parameter_i32(glow::TEXTURE_2D, glow::TEXTURE_MAX_LEVEL, 0);
-            gl.bind_texture(glow::TEXTURE_2D, Some(textures[5]));
+            gl.bind_texture(glow::TEXTURE_2D, Some(textures[6]));
             let lobes: Vec<f32> = (0..STEPS * STEPS)
                 .flat_map(|k| {
                     let seen = ReflectionLobes::new(ROUGHNESS, at(k % STEPS).powi(2));
@@ -134,7 +137,9 @@ impl Metallic {
                 let at = gl.get_uniform_location(program, name);
                 gl.uniform_2_f32(at.as_ref(), x, y);
             };
-            pair("mean", mean());
+            let [mean, slope] = hemisphere();
+            pair("mean", mean);
+            pair("slope", slope);
             pair("surface", [METALLIC, ROUGHNESS]);
             vector(gl, program, "light", METALLIC_LIGHT);
             vector(gl, program, "sun", METALLIC_SUN);
@@ -151,7 +156,7 @@ impl Metallic {
         clamped: glow::Sampler,
     ) -> glow::Program {
         let (program, cube, two) = (self.program, glow::TEXTURE_CUBE_MAP, glow::TEXTURE_2D);
-        let [diffuse, low, middle, high, sums, lobes] = self.textures;
+        let [diffuse, grazing, low, middle, high, sums, lobes] = self.textures;
         unsafe {
             gl.use_program(Some(program));
             bind(gl, program, 0, "base", (two, base), trilinear);
@@ -161,22 +166,29 @@ impl Metallic {
             bind(gl, program, 4, "middle", (cube, middle), clamped);
             bind(gl, program, 5, "high", (cube, high), clamped);
             bind(gl, program, 6, "lobes", (two, lobes), clamped);
+            bind(gl, program, 7, "grazing", (cube, grazing), clamped);
         }
         program
     }
 }
 
-/// The cosine-weighted mean of the split sum over a hemisphere, as [`split_sum`] has it for one cosine.
-fn mean() -> [f32; 2] {
+/// The cosine-weighted mean of the split sum over a hemisphere, as [`split_sum`] has it for one cosine, and its slope by `(1 - c)^5`, times the
+/// mean of that.
+fn hemisphere() -> [[f32; 2]; 2] {
     const COUNT: u32 = 4096;
+    const MEAN: f64 = 1.0 / 21.0;
+    const VARIANCE: f64 = 1.0 / 66.0 - MEAN * MEAN;
     let cosine = |k: u32| (f64::from(k) + 0.5) / f64::from(COUNT);
-    let mut sum = [0.0; 2];
+    let (mut mean, mut slope) = ([0.0; 2], [0.0; 2]);
     for c in (0..COUNT).map(cosine) {
-        for (sum, share) in sum.iter_mut().zip(split_sum(ROUGHNESS, c as f32)) {
-            *sum += 2.0 * c * f64::from(share) / f64::from(COUNT);
+        let off = ((1.0 - c).powi(5) - MEAN) / VARIANCE * MEAN;
+        for (k, share) in split_sum(ROUGHNESS, c as f32).into_iter().enumerate() {
+            let share = 2.0 * c * f64::from(share) / f64::from(COUNT);
+            mean[k] += share;
+            slope[k] += share * off;
         }
     }
-    sum.map(|s| s as f32)
+    [mean, slope].map(|pair| pair.map(|s| s as f32))
 }
 
 /// The direction of the centre of a texel of a cube's face.

@@ -26,7 +26,8 @@ fn print(name: &str, doc: &str, values: &[u32]) {
 }
 
 fn main() {
-    let (mut ggx, mut average, mut sheen) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut ggx, mut average, mut grazing, mut sheen) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for row in 0..SIDE {
         let width = |least: f32| {
             let roughness = step(row).max(least.into());
@@ -36,14 +37,19 @@ fn main() {
         let albedo = |cosine: f64| ggx_albedo(width(MIN_ROUGHNESS), cosine, 384);
         let packed = |[a, b]: [f64; 2]| stored(a) | stored(b) << 16;
         ggx.extend((0..SIDE).map(|column| packed(albedo(cosine(column)))));
-        let mut sum = [0.0; 2];
+        let (mut sum, mut slopes) = ([0.0; 2], [0.0; 2]);
         for k in 0..128 {
             let t = (f64::from(k) + 0.5) / 128.0;
             let value = ggx_albedo(width(MIN_ROUGHNESS), t * t, 128);
             // 2 c dc for c = t^2.
-            sum = [0, 1].map(|j| sum[j] + value[j] * 4.0 * t * t * t / 128.0);
+            let share = 4.0 * t * t * t / 128.0;
+            // (1 - c)^5 less its mean, over its variance.
+            let off = ((1.0 - t * t).powi(5) - 1.0 / 21.0) / (1.0 / 66.0 - 1.0 / 441.0);
+            sum = [0, 1].map(|j| sum[j] + value[j] * share);
+            slopes = [0, 1].map(|j| slopes[j] + value[j] * share * off);
         }
         average.push(packed(sum));
+        grazing.push(packed([0.5 - 0.5 * slopes[0], slopes[1]]));
         let cloth = |column| sheen_albedo(width(SHEEN_MIN_ROUGHNESS), cosine(column), 192);
         sheen.extend((0..SIDE).map(|column| stored(cloth(column))));
     }
@@ -55,6 +61,11 @@ fn main() {
         "GGX_AVERAGE",
         "Cosine-weighted means of the rows of [`GGX`].",
         &average,
+    );
+    print(
+        "GGX_GRAZING",
+        "Slopes of the factors of [`GGX`] by `(1 - c)^5`, least squares over a hemisphere: half of 1 less the first one, and the second one.",
+        &grazing,
     );
     print("SHEEN", &format!("White sheen, {by}."), &sheen);
 }

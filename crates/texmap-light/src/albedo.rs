@@ -37,7 +37,13 @@ pub fn split_sum(roughness: f32, cosine: f32) -> [f32; 2] {
 /// The cosine-weighted mean of [`ggx`] over a hemisphere.
 #[inline(always)]
 pub(crate) fn ggx_average<I: Isa>(i: I, roughness: I::F32) -> [I::F32; 2] {
-    let Some(words) = GatherTable::new(&table::GGX_AVERAGE) else {
+    pair(i, &table::GGX_AVERAGE, roughness)
+}
+
+/// The two values of a row of one column.
+#[inline(always)]
+fn pair<I: Isa>(i: I, words: &'static [u32; SIDE], roughness: I::F32) -> [I::F32; 2] {
+    let Some(words) = GatherTable::new(words) else {
         return [i.f32(0.0); 2];
     };
     let (at, k) = split(i, roughness, SIDE);
@@ -46,6 +52,13 @@ pub(crate) fn ggx_average<I: Isa>(i: I, roughness: I::F32) -> [I::F32; 2] {
         mix::<I>(low::<I>(p), low::<I>(q), k) * UNIT,
         mix::<I>(high::<I>(p), high::<I>(q), k) * UNIT,
     ]
+}
+
+/// Slopes of [`ggx`] by `(1 - c)^5`, times the mean of that, 1/21: as much as the factors weigh light at grazing incidence more than other light.
+#[inline(always)]
+pub(crate) fn ggx_grazing<I: Isa>(i: I, roughness: I::F32) -> [I::F32; 2] {
+    let [fall, rise] = pair(i, &table::GGX_GRAZING, roughness);
+    [(i.f32(0.5) - fall) * (2.0 / 21.0), rise * (1.0 / 21.0)]
 }
 
 /// White sheen; both arguments within 0 to 1.
@@ -169,6 +182,28 @@ mod tests {
         }
     }
 
+    /// Normal equations: what the slope leaves of a factor has nothing of `(1 - c)^5`.
+    #[test]
+    fn slopes_are_those_of_the_albedos() {
+        for r in [0.03f32, 0.25, 0.6, 1.0] {
+            let slopes = ggx_grazing(Scalar, r).map(|s| s * 21.0);
+            for (j, slope) in slopes.into_iter().enumerate() {
+                let left = |slope: f32| {
+                    let mut sum = 0.0;
+                    for k in 0..4096 {
+                        let c = (k as f32 + 0.5) / 4096.0;
+                        let power = (1.0 - c).powi(5) - 1.0 / 21.0;
+                        sum += (ggx(Scalar, r, c)[j] - slope * power) * power * 2.0 * c / 4096.0;
+                    }
+                    // Over the variance of that power.
+                    (sum / (1.0 / 66.0 - 1.0 / 441.0)).abs()
+                };
+                assert!(left(slope) < 0.01, "{r} {j}: {slope} {}", left(slope));
+                assert!(left(slope + 0.05) > 0.03);
+            }
+        }
+    }
+
     #[test]
     fn widths_agree() {
         every_width!(i => check(i));
@@ -178,11 +213,13 @@ mod tests {
             for at in (0..16).step_by(I::LANES) {
                 let (rs, cs) = (i.load_f32(&r[at..]), i.load_f32(&c[at..]));
                 let ([a, b], [d, e]) = (ggx(i, rs, cs), ggx_average(i, rs));
-                let got = columns(i, [a, b, d, e, sheen(i, rs, cs)]);
+                let [f, g] = ggx_grazing(i, rs);
+                let got = columns(i, [a, b, d, e, f, g, sheen(i, rs, cs)]);
                 for lane in 0..I::LANES {
                     let (r, c) = (r[at + lane], c[at + lane]);
                     let ([a, b], [d, e]) = (ggx(Scalar, r, c), ggx_average(Scalar, r));
-                    let one = [a, b, d, e, sheen(Scalar, r, c)];
+                    let [f, g] = ggx_grazing(Scalar, r);
+                    let one = [a, b, d, e, f, g, sheen(Scalar, r, c)];
                     assert_eq!(got.map(|g| g[lane].to_bits()), one.map(f32::to_bits));
                 }
             }

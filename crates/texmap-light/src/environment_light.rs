@@ -31,7 +31,8 @@ pub struct EnvironmentLight {
     rough: Levels,
     /// The levels that were made.
     roughnesses: Roughnesses,
-    /// Cosine-weighted means over hemispheres: irradiance over pi.
+    /// Cosine-weighted means over hemispheres: irradiance over pi. Level 1 is light at grazing incidence: its weights are those of level 0
+    /// times `(1 - N.L)^5`.
     diffuse: Levels,
     /// Cosine and sine of the turn about +Y.
     turn: [f32; 2],
@@ -139,6 +140,14 @@ impl EnvironmentLight {
         self.irradiance_lanes(Scalar, normal)
     }
 
+    /// Mean of the light that arrives at grazing incidence, with the weight `(N.L) (1 - N.L)^5`. A smooth dielectric mirrors it, so that
+    /// less of it becomes diffuse light.
+    #[must_use]
+    pub fn grazing(&self, normal: [f32; 3]) -> [f32; 3] {
+        let [_, grazing] = self.diffuse_lanes(Scalar, normal, true);
+        grazing
+    }
+
     /// [`radiance`](Self::radiance) for the lanes of a block; outside of semantic versioning.
     #[inline(always)]
     pub fn radiance_lanes<I: Isa>(
@@ -156,6 +165,18 @@ impl EnvironmentLight {
     pub fn irradiance_lanes<I: Isa>(&self, i: I, normal: Vector<I>) -> Vector<I> {
         self.diffuse
             .radiance(i, i.f32(0.0), self.turned_lanes(i, normal))
+    }
+
+    /// [`irradiance`](Self::irradiance) for the lanes of a block and, if it is asked for, [`grazing`](Self::grazing), else the same again.
+    #[inline(always)]
+    pub(crate) fn diffuse_lanes<I: Isa>(
+        &self,
+        i: I,
+        normal: Vector<I>,
+        grazing: bool,
+    ) -> [Vector<I>; 2] {
+        self.diffuse
+            .first_two(i, self.turned_lanes(i, normal), grazing)
     }
 
     /// A direction in the environment's own axes.

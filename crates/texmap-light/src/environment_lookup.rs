@@ -121,14 +121,36 @@ impl LevelTable {
         lod: I::F32,
         direction: Vector<I>,
     ) -> Vector<I> {
-        let (d, _) = usable(i, direction);
-        let side = Side::<I>::of(d);
-        let [sc, tc, m] = side.along(d);
-        let per_m = i.f32(0.5) / m;
+        let (face, u, v) = place_on_cube(i, direction);
         let level = lod.floor_to_i32();
         let k = lod - level.to_f32();
-        let (u, v) = (sc * per_m + 0.5, tc * per_m + 0.5);
-        self.between::<I, true, SharedExponent>(i, words, level, k, side.face(i), u, v)
+        self.between::<I, true, SharedExponent>(i, words, level, k, face, u, v)
+    }
+
+    /// Bilinear on the first level of a cube and, if it is asked for, on the second of the same size, else the first again. Zero and non-finite directions read as +Z.
+    #[inline(always)]
+    pub(crate) fn first_two_lanes<I: Isa>(
+        &self,
+        i: I,
+        words: GatherTable<'_>,
+        direction: Vector<I>,
+        second: bool,
+    ) -> [Vector<I>; 2] {
+        let (face, u, v) = place_on_cube(i, direction);
+        let mut at = self.level(i, 0);
+        let mut first = [i.f32(0.0); 3];
+        for next in 0..2 {
+            let light = on_face::<I, SharedExponent>(i, words, &at, face, u, v);
+            if next == 1 {
+                return [first, light];
+            }
+            first = light;
+            if !second {
+                break;
+            }
+            at.start = i.i32(self.start[1] as i32);
+        }
+        [first; 2]
     }
 
     /// A level, and `k` of the next; in the units of the texels.
@@ -199,6 +221,16 @@ impl LevelTable {
             },
         }
     }
+}
+
+/// Face of a cube and coordinates on it, 0 to 1. Zero and non-finite directions are +Z.
+#[inline(always)]
+fn place_on_cube<I: Isa>(i: I, direction: Vector<I>) -> (I::I32, I::F32, I::F32) {
+    let (d, _) = usable(i, direction);
+    let side = Side::<I>::of(d);
+    let [sc, tc, m] = side.along(d);
+    let per_m = i.f32(0.5) / m;
+    (side.face(i), sc * per_m + 0.5, tc * per_m + 0.5)
 }
 
 /// The square of a change of direction, in radians.

@@ -10,6 +10,7 @@ use crate::lanes::Vector;
 use crate::share::arriving;
 use crate::vector::{add, cross, dot, scale, splat, unit};
 use crate::{EnvironmentLight, Light, albedo, reflection_lobes};
+pub(crate) use lobes::power5;
 
 /// Least perceptual roughness; lower ones count as this. Lights have no size, and a mirror would not show them.
 pub const MIN_ROUGHNESS: f32 = 0.03;
@@ -99,8 +100,9 @@ pub struct ReflectanceLanes<I: Isa> {
     /// Directional albedo of the GGX lobe at the first bounce, and at further ones.
     once: Vector<I>,
     again: Vector<I>,
-    /// Directional albedo of the diffuse base.
+    /// Directional albedo of the diffuse base, and the weight of light at grazing incidence in its light: 0 or less.
     diffuse: Vector<I>,
+    grazing: I::F32,
     /// Reflectance of further bounces and of the base for one light, without the factors of its direction.
     again_of_light: Vector<I>,
     diffuse_of_light: Vector<I>,
@@ -160,7 +162,11 @@ impl<I: Isa> ReflectanceLanes<I> {
         let more: I::F32 = bounces.share(one, most, surface.f90);
         let left = one - (most * a + surface.f90 * b + more * missing);
         let left_average: I::F32 = one - (most * mean_a + surface.f90 * mean_b + more * lost);
+        let per_left = one / left_average.above(least);
         let diffuse = scale(surface.base_color, (one - metallic) * left);
+        // The dielectric lobe's albedo rises towards grazing incidence: what it takes more there, the base gets less.
+        let [more_a, more_b] = albedo::ggx_grazing(i, roughness);
+        let rise = most * more_a + surface.f90 * more_b - more * (more_a + more_b);
         let mut f0 = surface.f0;
         let (mut once, mut again, mut again_of_light) = (f0, f0, f0);
         for k in 0..3 {
@@ -184,8 +190,9 @@ impl<I: Isa> ReflectanceLanes<I> {
             once,
             again,
             diffuse,
+            grazing: -rise * per_left,
             again_of_light,
-            diffuse_of_light: scale(diffuse, one / left_average.above(least)),
+            diffuse_of_light: scale(diffuse, per_left),
             dielectric: [most, surface.f90, more],
             coat: match &surface.clearcoat {
                 Some(coat) => Some(Coat::new(i, coat, dot(smooth, view))),
@@ -204,7 +211,13 @@ impl<I: Isa> ReflectanceLanes<I> {
     pub fn under_light(&self, i: I, light: &Light, point: Vector<I>) -> (Vector<I>, I::Mask) {
         if let Light::Ambient { color } = *light {
             let light = splat(i, color);
-            return (self.under_even(i, light, light, light), i.mask(true));
+            let light = GatheredLanes {
+                diffuse: light,
+                irradiance: light,
+                glossy: light,
+                coating: light,
+            };
+            return (self.under_gathered(i, &light), i.mask(true));
         }
         let (color, toward, lit) = arriving(i, light, point);
         let nl = dot(self.normal, toward);
@@ -226,7 +239,7 @@ impl<I: Isa> ReflectanceLanes<I> {
         let (zero, one, pi) = (i.f32(0.0), i.f32(1.0), core::f32::consts::PI);
         let half = unit(i, add(self.view, toward));
         let (nh, sine) = cosine_and_sine(self.normal, half);
-        let fresnel = lobes::power5(i, (one - dot(self.view, half)).clamp(zero, one));
+        let fresnel = power5(i, (one - dot(self.view, half)).clamp(zero, one));
         let lobe = lobes::ggx(i, self.alpha, nh, sine, self.nv, nl) * pi;
         let [a, b] = albedo::ggx(i, self.roughness, nl.below(one));
         let missing = one - a - b;
@@ -266,22 +279,33 @@ impl<I: Isa> ReflectanceLanes<I> {
     /// Radiance towards the eye from an environment. The fraction `share` of its light reaches the points.
     #[inline(always)]
     pub fn under_environment(&self, i: I, light: &EnvironmentLight, share: I::F32) -> Vector<I> {
-        let irradiance = light.irradiance_lanes(i, self.normal);
-        let [r, g, b] = self.once;
+        // Metals have no diffuse base.
+        let base = some(i, self.diffuse);
+        let [irradiance, grazing] = light.diffuse_lanes(i, self.normal, base);
+        let mut diffuse = irradiance;
+        for k in 0..3 {
+            diffuse[k] = irradiance[k] + (grazing[k] - irradiance[k]) * self.grazing;
+        }
         // Matte surfaces have no lobe.
-        let glossy = if r.above(g).above(b).simd_gt(0.0).any_true() {
+        let glossy = if some(i, self.once) {
             self.glossy(i, light, irradiance)
         } else {
             splat(i, [0.0; 3])
         };
-        let coat = match &self.coat {
+        let coating = match &self.coat {
             Some(coat) => {
                 let mirrored = crate::reflect::reflect(self.view, self.smooth);
                 light.radiance_lanes(i, coat.roughness, mirrored)
             }
             None => glossy,
         };
-        scale(self.under_even(i, irradiance, glossy, coat), share)
+        let light = GatheredLanes {
+            diffuse,
+            irradiance,
+            glossy,
+            coating,
+        };
+        scale(self.under_gathered(i, &light), share)
     }
 
     /// Mean light of an environment over the GGX lobe.
@@ -323,28 +347,42 @@ impl<I: Isa> ReflectanceLanes<I> {
         out
     }
 
-    /// Radiance towards the eye under light that is even within each lobe. The lights are those of the base, its GGX lobe and the clear
-    /// layer.
+    /// Radiance towards the eye of light as lobes gather it.
     #[inline(always)]
-    fn under_even(
-        &self,
-        _: I,
-        irradiance: Vector<I>,
-        glossy: Vector<I>,
-        coating: Vector<I>,
-    ) -> Vector<I> {
-        let mut out = irradiance;
-        for k in 0..3 {
-            out[k] = irradiance[k] * (self.diffuse[k] + self.again[k]) + glossy[k] * self.once[k];
+    fn under_gathered(&self, _: I, light: &GatheredLanes<I>) -> Vector<I> {
+        let mut sum = light.irradiance;
+        for (k, sum) in sum.iter_mut().enumerate() {
+            let even = *sum;
+            *sum = light.diffuse[k] * self.diffuse[k]
+                + even * self.again[k]
+                + light.glossy[k] * self.once[k];
             if let Some(sheen) = &self.sheen {
-                out[k] = out[k] * sheen.left + irradiance[k] * sheen.color[k] * sheen.albedo;
+                *sum = *sum * sheen.left + even * sheen.color[k] * sheen.albedo;
             }
             if let Some(coat) = &self.coat {
-                out[k] = out[k] * coat.left + coating[k] * coat.albedo;
+                *sum = *sum * coat.left + light.coating[k] * coat.albedo;
             }
         }
-        out
+        sum
     }
+}
+
+/// Light as the lobes of a surface gather it.
+struct GatheredLanes<I: Isa> {
+    /// Of the diffuse base.
+    diffuse: Vector<I>,
+    /// Of an even hemisphere: irradiance over pi. Light that scatters between facets, and cloth.
+    irradiance: Vector<I>,
+    /// Of the GGX lobe.
+    glossy: Vector<I>,
+    /// Of the clear layer.
+    coating: Vector<I>,
+}
+
+/// True if a channel is above 0 in a lane.
+#[inline(always)]
+fn some<I: Isa>(_: I, [r, g, b]: Vector<I>) -> bool {
+    r.above(g).above(b).simd_gt(0.0).any_true()
 }
 
 /// Light that leaves a rough surface after more than one bounce (Kulla and Conty 2017).

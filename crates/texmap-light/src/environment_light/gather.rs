@@ -12,6 +12,7 @@ use texmap_math::{Level, deterministic_f64, dispatch_simd};
 use crate::environment::Environment;
 use crate::error::LightError;
 use crate::lanes::Vector;
+use crate::metallic_roughness::power5;
 use crate::vector::{dot, narrow, splat};
 use crate::{EnvironmentLayout, level};
 
@@ -22,6 +23,8 @@ pub(super) enum Kernel {
     Ggx(f32),
     /// `max(0, c)`.
     Cosine,
+    /// `max(0, c) (1 - c)^5`: the light that Schlick's Fresnel takes more of than of light head on.
+    Grazing,
     /// `exp(-(angle / sigma)^2 / 2)` for small angles, by `1 / sigma^2`: the blur of the studio, whose room is made by the tests.
     #[cfg(test)]
     Gaussian(f32),
@@ -41,7 +44,7 @@ impl Kernel {
     fn near(self, radius: f64) -> f32 {
         let width = match self {
             Self::Ggx(a2) => 2.0 * texmap_math::float::sqrt(f64::from(a2)),
-            Self::Cosine => 1.0,
+            Self::Cosine | Self::Grazing => 1.0,
             #[cfg(test)]
             Self::Gaussian(scale) => {
                 // Five times sigma; nothing lies beyond.
@@ -65,6 +68,7 @@ impl Kernel {
                 c.above(zero) / (q * q)
             }
             Self::Cosine => c.above(zero),
+            Self::Grazing => c.above(zero) * power5(i, one - c),
             #[cfg(test)]
             Self::Gaussian(scale) => {
                 let x = (one - c).above(zero) * scale;
@@ -364,11 +368,12 @@ mod tests {
         Environment::from_fn(EnvironmentLayout::Cube, size, texel).unwrap()
     }
 
-    const KERNELS: [Kernel; 5] = [
+    const KERNELS: [Kernel; 6] = [
         Kernel::Ggx(1e-4),
         Kernel::Ggx(0.04),
         Kernel::Ggx(1.0),
         Kernel::Cosine,
+        Kernel::Grazing,
         Kernel::Gaussian(625.0),
     ];
 

@@ -78,4 +78,18 @@ impl Levels {
             None => [i.f32(1.0); 3],
         }
     }
+
+    /// Bilinear on the first level and, if it is asked for, on the second of the same size, else the first again.
+    #[inline(always)]
+    pub(super) fn first_two<I: Isa>(
+        &self,
+        i: I,
+        direction: Vector<I>,
+        second: bool,
+    ) -> [Vector<I>; 2] {
+        match GatherTable::new(&self.words) {
+            Some(words) => self.table.first_two_lanes(i, words, direction, second),
+            None => [[i.f32(1.0); 3]; 2],
+        }
+    }
 }

@@ -20,12 +20,12 @@ pub struct Prefilter {
     cube: Environment,
     /// Levels of the cube that were gathered.
     sources: Vec<(usize, Texels)>,
-    /// The diffuse cube and the levels of roughness that are at hand for a light.
-    pub(super) around: Option<Environment>,
+    /// The light of diffuse surfaces and the levels of roughness that are at hand for a light.
+    pub(super) diffuse: Option<[Environment; 2]>,
     pub(super) rough: [Option<Environment>; STEPS],
 }
 
-/// Texels a side of the diffuse cube: the kink that a sun makes at its horizon is off by 1.2 % of its light. (Nine spherical
+/// Texels a side of the cubes of diffuse surfaces: the kink that a sun makes at its horizon is off by 1.2 % of its light. (Nine spherical
 /// harmonics are off by 6 %.)
 pub(super) const DIFFUSE_SIZE: u32 = 32;
 /// Most texels a side of the environment that a diffuse surface gathers.
@@ -79,7 +79,7 @@ impl Prefilter {
         Self {
             cube: cube.with_mips(),
             sources: Vec::new(),
-            around: None,
+            diffuse: None,
             rough: [const { None }; STEPS],
         }
     }
@@ -87,9 +87,9 @@ impl Prefilter {
     /// The room of [`EnvironmentLight::studio`]. Nothing is gathered: its light is held.
     #[must_use]
     pub fn studio() -> Self {
-        let (around, rough) = studio::gathered();
+        let (diffuse, rough) = studio::gathered();
         Self {
-            around: Some(around),
+            diffuse: Some(diffuse),
             rough: rough.map(Some),
             ..Self::of_cube(studio::room())
         }
@@ -101,12 +101,13 @@ impl Prefilter {
     /// [`LightError::LayoutSize`] as [`Environment::from_fn`] has them; the sizes here are within its range.
     pub fn light(&mut self, roughnesses: Roughnesses) -> Result<EnvironmentLight, LightError> {
         let layout = EnvironmentLayout::Cube;
-        let diffuse = match self.around.take() {
+        let diffuse = match self.diffuse.take() {
             Some(made) => made,
-            None => self.diffuse(layout, DIFFUSE_SIZE)?,
+            None => self.diffuse(layout)?,
         };
-        let around = Levels::new(&diffuse, &[]);
-        self.around = Some(diffuse);
+        let [cosine, grazing] = &diffuse;
+        let packed = Levels::new(cosine, &[Some(grazing)]);
+        self.diffuse = Some(diffuse);
         for step in roughnesses.levels() {
             if self.rough[step - 1].is_none() {
                 let size = level_size(self.cube.size().0, step);
@@ -118,7 +119,7 @@ impl Prefilter {
             levels[step - 1] = self.rough[step - 1].as_ref();
         }
         let rough = Levels::new(&self.cube, &levels);
-        Ok(EnvironmentLight::of(rough, around, roughnesses))
+        Ok(EnvironmentLight::of(rough, packed, roughnesses))
     }
 
     /// The environment itself, a cube with mips.
@@ -157,7 +158,7 @@ impl Prefilter {
         layout: EnvironmentLayout,
         size: u32,
     ) -> Result<Environment, LightError> {
-        self.resized(layout, size, DIFFUSE_SIZE, Self::diffuse)
+        self.resized(layout, size, DIFFUSE_SIZE, Self::cosine)
     }
 
     /// Made with `most` texels at most, and interpolated from there.
@@ -187,11 +188,16 @@ impl Prefilter {
         self.gathered(layout, size, source, Kernel::ggx(roughness * roughness))
     }
 
+    /// The light that diffuse surfaces receive: all of it, and that at grazing incidence.
     pub(super) fn diffuse(
         &mut self,
         layout: EnvironmentLayout,
-        size: u32,
-    ) -> Result<Environment, LightError> {
+    ) -> Result<[Environment; 2], LightError> {
+        let grazing = self.gathered(layout, DIFFUSE_SIZE, DIFFUSE_SOURCE, Kernel::Grazing)?;
+        Ok([self.cosine(layout, DIFFUSE_SIZE)?, grazing])
+    }
+
+    fn cosine(&mut self, layout: EnvironmentLayout, size: u32) -> Result<Environment, LightError> {
         self.gathered(layout, size, DIFFUSE_SOURCE, Kernel::Cosine)
     }
 

@@ -23,9 +23,9 @@ const fn texels(side: usize) -> usize {
 
 /// The grey texels of the room, f32 with the low byte first.
 static ROOM: &[u8; 4 * texels(64)] = include_bytes!("studio/room.f32");
-/// Those of the light of a diffuse surface and of the levels of roughness but the first, in the words of [`shared_exponent`]: nine bits
+/// Those of the light of diffuse surfaces (all of it, and that at grazing incidence) and of the levels of roughness but the first, in the words of [`shared_exponent`]: nine bits
 /// of one channel and five of the exponent, the low byte first.
-static GATHERED: &[u8; 2 * (4 * texels(64) + 4 * texels(32) + 4 * texels(16))] =
+static GATHERED: &[u8; 2 * (4 * texels(64) + 5 * texels(32) + 4 * texels(16))] =
     include_bytes!("studio/gathered.u14");
 
 /// The light of the room as its eye sees it.
@@ -35,8 +35,8 @@ pub(super) fn room() -> Environment {
     Environment::with_borders(EnvironmentLayout::Cube, (SIZE, SIZE), texels.collect())
 }
 
-/// The light of a diffuse surface and of the levels of roughness but the first.
-pub(super) fn gathered() -> (Environment, [Environment; STEPS]) {
+/// The light of diffuse surfaces and of the levels of roughness but the first.
+pub(super) fn gathered() -> ([Environment; 2], [Environment; STEPS]) {
     let (mut codes, _) = GATHERED.as_chunks();
     let mut cube = |size: u32| {
         let (own, rest) = codes.split_at(texels(size as usize));
@@ -50,9 +50,9 @@ pub(super) fn gathered() -> (Environment, [Environment; STEPS]) {
         let own = own.iter().map(light).collect();
         Environment::with_borders(EnvironmentLayout::Cube, (size, size), own)
     };
-    let around = cube(DIFFUSE_SIZE);
+    let diffuse = [(); 2].map(|()| cube(DIFFUSE_SIZE));
     (
-        around,
+        diffuse,
         core::array::from_fn(|k| cube(level_size(SIZE, k + 1))),
     )
 }

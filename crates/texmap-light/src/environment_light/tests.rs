@@ -77,6 +77,21 @@ fn diffuse_light_is_within_two_percent_of_its_integral() {
     }
 }
 
+/// A sky of `1 + y` gives a diffuse surface 1 plus two thirds of its normal's y, and a quarter at grazing incidence.
+#[test]
+fn light_at_grazing_incidence_comes_from_beside_the_normal() {
+    let sky = Environment::from_fn(EnvironmentLayout::Cube, 64, |d| [1.0 + d.y as f32; 3]);
+    let light = EnvironmentLight::new(&sky.unwrap(), 64).unwrap();
+    for n in spiral(30) {
+        let (all, grazing) = (light.irradiance(narrow(n))[0], light.grazing(narrow(n))[0]);
+        let off = |light: f32, part: f64| (f64::from(light) - (1.0 + part * n.y)).abs();
+        assert!(
+            off(all, 2.0 / 3.0) < 0.004 && off(grazing, 0.25) < 0.004,
+            "{n}: {all} {grazing}"
+        );
+    }
+}
+
 /// The light that a lobe gathers of a sky with a closed form. A sky of `1 + y` gives 1 plus the mean cosine of the lobe.
 #[test]
 fn lobes_gather_more_of_the_sky_as_they_widen() {

@@ -67,7 +67,7 @@ fn fit<I: Isa>(i: I, [a, b, c, d, e]: [I::F32; 5], x: I::F32) -> I::F32 {
 
 /// `x^5`.
 #[inline(always)]
-pub(super) fn power5<I: Isa>(_: I, x: I::F32) -> I::F32 {
+pub(crate) fn power5<I: Isa>(_: I, x: I::F32) -> I::F32 {
     let square = x * x;
     square * square * x
 }

@@ -148,13 +148,25 @@ impl<const N: usize> Curve<N> {
 
     /// The mean over a hemisphere, weighted by the cosine.
     fn average(&self) -> [f64; N] {
+        self.sum(|_| 1.0)
+    }
+
+    /// The slope by `(1 - c)^5` of least squares over a hemisphere, weighted by the cosine.
+    fn slope(&self) -> [f64; N] {
+        // The mean of that power and its variance.
+        let (mean, variance) = (1.0 / 21.0, 1.0 / 66.0 - 1.0 / 441.0);
+        self.sum(|c| (power5(1.0 - c) - mean) / variance)
+    }
+
+    /// The integral over a hemisphere with a weight beside the cosine, over pi.
+    fn sum(&self, weight: impl Fn(f64) -> f64) -> [f64; N] {
         let mut sum = [0.0; N];
         let n = 8 * Self::STEPS;
         for k in 0..n {
             let t = (k as f64 + 0.5) / n as f64;
             let value = self.at(t * t);
             // 2 c dc for c = t^2.
-            let weight = 4.0 * t * t * t / n as f64;
+            let weight = 4.0 * t * t * t / n as f64 * weight(t * t);
             for (sum, value) in sum.iter_mut().zip(value) {
                 *sum += value * weight;
             }
@@ -163,11 +175,12 @@ impl<const N: usize> Curve<N> {
     }
 }
 
-/// Directional albedos of the GGX lobe of a roughness, by the cosine to the eye, and their mean.
+/// Directional albedos of the GGX lobe of a roughness, by the cosine to the eye, their mean, and their slope by `(1 - c)^5`.
 #[derive(Clone, Debug)]
 pub struct GgxAlbedo {
     curve: Curve<2>,
     average: [f64; 2],
+    slope: [f64; 2],
 }
 
 impl GgxAlbedo {
@@ -178,6 +191,7 @@ impl GgxAlbedo {
         let curve = Curve::new(|nv| ggx_albedo(alpha, nv, 128));
         Self {
             average: curve.average(),
+            slope: curve.slope(),
             curve,
         }
     }
@@ -185,10 +199,11 @@ impl GgxAlbedo {
     /// Between this and another: 0 is this.
     #[must_use]
     pub fn mix(&self, other: &Self, t: f64) -> Self {
-        let mean = |k: usize| self.average[k] + (other.average[k] - self.average[k]) * t;
+        let mean = |p: [f64; 2], q: [f64; 2]| [0, 1].map(|k| p[k] + (q[k] - p[k]) * t);
         Self {
             curve: self.curve.mix(&other.curve, t),
-            average: [mean(0), mean(1)],
+            average: mean(self.average, other.average),
+            slope: mean(self.slope, other.slope),
         }
     }
 }
@@ -223,6 +238,32 @@ pub struct Reflectance {
 impl core::fmt::Debug for Reflectance {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_tuple("Reflectance").field(&self.surface).finish()
+    }
+}
+
+/// Light as the lobes of a surface gather it. Within each it counts as even.
+#[derive(Clone, Copy, Debug)]
+pub struct Gathered {
+    /// Of a hemisphere: irradiance over pi.
+    pub irradiance: DVec3,
+    /// Of a hemisphere at grazing incidence: the mean with the weight `(N.L) (1 - N.L)^5`.
+    pub grazing: DVec3,
+    /// Of the GGX lobe.
+    pub glossy: DVec3,
+    /// Of the clear layer.
+    pub coating: DVec3,
+}
+
+impl Gathered {
+    /// The same from all directions.
+    #[must_use]
+    pub fn even(light: DVec3) -> Self {
+        Self {
+            irradiance: light,
+            grazing: light,
+            glossy: light,
+            coating: light,
+        }
     }
 }
 
@@ -296,32 +337,31 @@ impl Reflectance {
         sum
     }
 
-    /// Radiance towards the eye under light that is even within each lobe, for the cosines of the eye to the normal and to that of the
-    /// clearcoat. The lights are those of the base (irradiance over pi), of its GGX lobe and of the clear layer.
+    /// Radiance towards the eye of gathered light, for the cosines of the eye to the normal and to that of the clearcoat.
     #[must_use]
-    pub fn under_even(
-        &self,
-        (nv, cv): (f64, f64),
-        irradiance: DVec3,
-        glossy: DVec3,
-        coating: DVec3,
-    ) -> DVec3 {
+    pub fn under_gathered(&self, (nv, cv): (f64, f64), light: &Gathered) -> DVec3 {
         let (base, [a, b]) = (self.terms(), self.base.curve.at(nv));
         let metallic = f64::from(self.surface.metallic);
         let color = wide(self.surface.base_color);
         let diffuse = color * ((1.0 - metallic) * self.left(&base, [a, b]));
         let again = base.more * (1.0 - a - b);
         let once = base.f0 * a + DVec3::splat(base.f90 * b);
+        // What is left of light at grazing incidence, over what is left of even light.
+        let GgxAlbedo { average, slope, .. } = &self.base;
+        let grazing = [0, 1].map(|k| average[k] + slope[k] / 21.0);
+        let left = self.left(&base, *average);
+        let part = (self.left(&base, grazing) - left) / left.max(MIN_SHARE.into());
+        let arriving = light.irradiance + (light.grazing - light.irradiance) * part;
         self.layered(
             (nv, cv),
-            irradiance,
-            irradiance * (diffuse + again) + glossy * once,
-            coating,
+            light.irradiance,
+            arriving * diffuse + light.irradiance * again + light.glossy * once,
+            light.coating,
         )
     }
 
     /// Radiance towards the eye of diffuse light alone: irradiance over pi, as light maps hold it. The cosines are those of
-    /// [`under_even`](Self::under_even).
+    /// [`under_gathered`](Self::under_gathered).
     #[must_use]
     pub fn under_irradiance(&self, (nv, cv): (f64, f64), irradiance: DVec3) -> DVec3 {
         let left = self.left(&self.terms(), self.base.curve.at(nv));

@@ -1,12 +1,12 @@
 //! Metallic-roughness surfaces in f64: their numbers by maps, and the light that they return.
 //!
 //! Lights go by the BRDF of [`texmap_light::reference::metallic_roughness`]. The environment light is taken as its levels are: light that
-//! is even within each lobe: one look-up for the base, up to four for its lobe (`ReflectionLobes`) and one for the clear layer (Karis 2013).
+//! is even within each lobe: two look-ups for the base (all light, and that at grazing incidence), up to four for its lobe (`ReflectionLobes`) and one for the clear layer (Karis 2013).
 
 use std::sync::OnceLock;
 
 use texmap_light::lanes::{ClearcoatLanes, SheenLanes};
-use texmap_light::reference::metallic_roughness::{GgxAlbedo, Reflectance, SheenAlbedo};
+use texmap_light::reference::metallic_roughness::{Gathered, GgxAlbedo, Reflectance, SheenAlbedo};
 use texmap_light::{
     EnvironmentLight, Light, MIN_ROUGHNESS, MetallicRoughnessSurface, ReflectionLobes,
 };
@@ -194,7 +194,7 @@ impl<'s> Metal<'s> {
             }
             if let Light::Ambient { color } = *light {
                 let color = wide(color);
-                sum += reflectance.under_even(cosines, color, color, color) * share;
+                sum += reflectance.under_gathered(cosines, &Gathered::even(color)) * share;
                 continue;
             }
             let (color, toward) = arriving(light, at.position);
@@ -230,6 +230,7 @@ fn under_environment(
     let mirrored = |n: DVec3| 2.0 * n.dot(view) * n - view;
     let roughness = numbers.roughness.max(MIN_ROUGHNESS);
     let irradiance = wide(light.irradiance(narrow(normal)));
+    let grazing = wide(light.grazing(narrow(normal)));
     let seen = ReflectionLobes::new(roughness, normal.dot(view) as f32);
     let mut glossy = irradiance * f64::from(seen.diffuse);
     for lobe in seen.lobes {
@@ -240,5 +241,11 @@ fn under_environment(
         let roughness = coat.roughness.max(MIN_ROUGHNESS);
         wide(light.radiance(roughness, narrow(mirrored(smooth))))
     });
-    reflectance.under_even(cosines, irradiance, glossy, coating)
+    let light = Gathered {
+        irradiance,
+        grazing,
+        glossy,
+        coating,
+    };
+    reflectance.under_gathered(cosines, &light)
 }

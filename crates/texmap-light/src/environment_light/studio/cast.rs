@@ -202,8 +202,9 @@ fn the_files_hold_the_room_and_its_light() {
     let texels = cast.texels.iter();
     let room: Vec<u8> = texels.flat_map(|[light, ..]| light.to_le_bytes()).collect();
     let gathered: Vec<u8> = made
-        .around
+        .diffuse
         .iter()
+        .flatten()
         .chain(made.rough.iter().flatten())
         .flat_map(codes)
         .collect();
