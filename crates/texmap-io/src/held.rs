@@ -28,6 +28,18 @@ impl Held {
         )
     }
 
+    /// The names of files and folders in a folder, some more than once.
+    pub(crate) fn names_in(&self, folder: &Path) -> Vec<String> {
+        let folder = plain_name(folder);
+        let names = self.0.keys().filter_map(|name| {
+            let first = name.strip_prefix(&folder).ok()?.components().next()?;
+            first.as_os_str().to_str().map(str::to_owned)
+        });
+        let mut names: Vec<String> = names.collect();
+        names.dedup();
+        names
+    }
+
     pub(crate) fn get(&self, name: &Path) -> Option<&Arc<[u8]>> {
         self.0.get(&plain_name(name))
     }

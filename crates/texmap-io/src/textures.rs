@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use texmap_math::parallel;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, Texture2d, Texture3d};
 
-use crate::files::MAX_TEXT;
+use crate::files::{Lost, MAX_TEXT, missing};
 use crate::obj::Model;
 use crate::scene_file::Missing;
-use crate::{FileSource, IoError, SourceLocation};
+use crate::{FileSource, IoError, SourceLocation, shown};
 use crate::{grids, image_io};
 
 /// Bytes of models and libraries that a scene may have read a second time.
@@ -78,6 +78,8 @@ pub(crate) struct Textures {
     packed: Vec<([Option<PathBuf>; 2], usize)>,
     /// Materials are those of the classic model: what only others show is named and not read.
     pub(crate) classic: bool,
+    /// Files that models name by other names than they have here.
+    lost: Lost,
     /// Textures that no file holds.
     made: Vec<(&'static str, usize)>,
 }
@@ -137,6 +139,22 @@ impl Textures {
     /// True if this model or library was read before.
     pub(crate) fn was_read(&self, path: &Path) -> bool {
         self.texts.contains(path)
+    }
+
+    /// The name, from the folder of a model or library, of a file that it names as another machine has it; a warning says so.
+    pub(crate) fn found(
+        &mut self,
+        location: &SourceLocation,
+        name: &str,
+        warnings: &mut Vec<String>,
+    ) -> Option<String> {
+        let (found, first) = self.lost.find(&self.source, &location.file, name)?;
+        if first {
+            let path = self.source.beside(&location.file, name);
+            let error = missing(&path, Some(location));
+            warnings.push(format!("{error}: {} is read", shown(Path::new(&found))));
+        }
+        Some(found)
     }
 
     /// Counts the text of a model or library that was read before.

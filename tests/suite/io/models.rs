@@ -32,6 +32,30 @@ fn pixel(frame: &Frame, x: usize, y: usize) -> [u8; 3] {
     [frame.rgba[at], frame.rgba[at + 1], frame.rgba[at + 2]]
 }
 
+/// Folders that tell letters of both cases apart, and models from machines that do not, with the paths of these.
+#[test]
+fn files_of_another_machine_are_found_with_a_warning() {
+    let files = Files::new()
+        .with_png("Map.PNG", 4, 4, [255, 255, 255, 255])
+        .with(
+            "A.mtl",
+            "newmtl m\nmap_Kd C:\\art\\map.png\nmap_Ke C:\\art\\map.png\n",
+        )
+        .with("a.obj", format!("mtllib a.MTL\n{SQUARE}usemtl m\n{FACE}"));
+    let scene = files.load("a.obj").expect("a model");
+    assert_eq!(scene.textures.len(), 1);
+    assert_eq!(scene.textures[0].width(), 4);
+    let told = |part: &str| scene.warnings.iter().filter(|w| w.contains(part)).count();
+    assert_eq!(told("a.obj:1:1: "), 1, "{:?}", scene.warnings);
+    assert_eq!(told("a.MTL: no such file: A.mtl is read"), 1);
+    assert_eq!(told("A.mtl:2:1: "), 1);
+    assert_eq!(told("C:/art/map.png: no such file: Map.PNG is read"), 1);
+    // Two files that differ in case alone: neither is meant.
+    let files = files.with_png("mAP.png", 2, 2, [255, 255, 255, 255]);
+    let error = files.load("a.obj").expect_err("a lost map").to_string();
+    assert!(error.contains("C:/art/map.png: no such file"), "{error}");
+}
+
 #[test]
 fn v_grows_upwards_in_an_obj_and_downwards_in_a_scene() {
     // The picture's top row is black, the rest white.

@@ -1,6 +1,7 @@
 //! Files to read are opened here and nowhere else: only regular files, never more bytes than a limit allows, and within a
 //! root, where one is set, nothing outside of it.
 
+mod lost;
 mod root;
 mod whole;
 
@@ -13,6 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use texmap_math::MemoryBudget;
 
+pub(crate) use lost::Lost;
 use whole::{LARGE, read_at_once, read_whole};
 
 use crate::held::{Held, Input};
@@ -352,7 +354,7 @@ fn within_limit(path: &Path, file: Input, bytes: u64, limit: u64) -> Result<Open
     }
 }
 
-fn missing(path: &Path, named_by: Option<&SourceLocation>) -> IoError {
+pub(crate) fn missing(path: &Path, named_by: Option<&SourceLocation>) -> IoError {
     IoError::FileMissing {
         path: path.to_path_buf(),
         named_by: named_by.cloned(),

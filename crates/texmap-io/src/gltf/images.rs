@@ -108,7 +108,7 @@ fn called(model: &Model<'_>, image: usize) -> PathBuf {
     let stated = &model.document.images[image];
     let file = stated.uri.as_ref().filter(|uri| !uri.starts_with("data:"));
     match file.map(|uri| uri::target(uri)) {
-        Some(Ok(uri::Target::File(name))) => model.files.beside(model.path, &name),
+        Some(Ok(uri::Target::File(name))) => model.beside(&name),
         _ if stated.name.is_empty() => format!("image {image}").into(),
         _ => format!("image {image} '{}'", crate::shortened(&stated.name)).into(),
     }

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use super::json::Document;
 use super::{container, uri};
 use crate::error::shortened;
-use crate::files::MAX_TEXT;
+use crate::files::{Lost, MAX_TEXT, missing};
 use crate::info::NamedFile;
-use crate::{FileSource, IoError};
+use crate::{FileSource, IoError, shown};
 
 /// A document with the bytes of its buffers.
 #[derive(Debug)]
@@ -26,6 +26,9 @@ pub(super) struct Model<'a> {
     /// Each once, in the order of their causes.
     pub(super) warnings: Vec<String>,
     warned: HashSet<String>,
+    lost: Lost,
+    /// Names of files that are those of another machine, and the names that they have here.
+    renamed: HashMap<String, String>,
     /// Files beside it, in the order of their mention.
     pub(super) named: Vec<NamedFile>,
     /// Their numbers.
@@ -58,6 +61,8 @@ impl<'a> Model<'a> {
             decoded: Vec::new(),
             warnings: Vec::new(),
             warned: HashSet::new(),
+            lost: Lost::default(),
+            renamed: HashMap::new(),
             named: Vec::new(),
             named_at: HashMap::new(),
             tolerant,
@@ -114,7 +119,13 @@ impl<'a> Model<'a> {
             uri::Target::Data(bytes) => return Ok(Some(bytes)),
             uri::Target::File(name) => name,
         };
-        let path = self.files.beside(self.path, &name);
+        if let Some((found, true)) = self.lost.find(&self.files, self.path, &name) {
+            let path = self.files.beside(self.path, &name);
+            let error = self.within(pointer, missing(&path, None));
+            self.warn(format!("{error}: {} is read", shown(Path::new(&found))));
+            self.renamed.insert(name.clone(), found);
+        }
+        let path = self.beside(&name);
         match self.files.read(&path, MAX_TEXT) {
             Ok(bytes) => {
                 self.note(&path, pointer, None);
@@ -126,6 +137,12 @@ impl<'a> Model<'a> {
             }
             Err(error) => Err(self.within(pointer, error)),
         }
+    }
+
+    /// A file that the model names, where it was found.
+    pub(super) fn beside(&self, name: &str) -> PathBuf {
+        let name = self.renamed.get(name).map_or(name, String::as_str);
+        self.files.beside(self.path, name)
     }
 
     /// Notes a file beside the model.
@@ -267,7 +284,7 @@ impl<'a> Model<'a> {
 
     /// The path of the file and a JSON pointer, as messages begin with them.
     pub(super) fn place(&self, pointer: &str) -> String {
-        format!("{}: {}", crate::shown(self.path), shortened(pointer))
+        format!("{}: {}", shown(self.path), shortened(pointer))
     }
 
     /// Adds a warning that was not given yet.

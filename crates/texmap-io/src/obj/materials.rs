@@ -23,13 +23,25 @@ pub(super) fn libraries(
     let mut materials = Vec::new();
     for (location, name) in &obj.libraries {
         // A name may hold blanks, and a line may hold several names.
-        let names: Vec<&str> = if textures.source.exists(&textures.source.beside(path, name)) {
-            vec![name]
+        let there = |textures: &Textures, name: &str| {
+            textures.source.exists(&textures.source.beside(path, name))
+        };
+        let names: Vec<String> = if there(textures, name) {
+            vec![name.clone()]
+        } else if let Some(found) = textures.found(location, name, warnings) {
+            vec![found]
         } else {
-            name.split_whitespace().collect()
+            let names = name.split_whitespace();
+            names
+                .map(|name| {
+                    textures
+                        .found(location, name, warnings)
+                        .unwrap_or(name.into())
+                })
+                .collect()
         };
         for name in names {
-            let library = textures.source.beside(path, name);
+            let library = textures.source.beside(path, &name);
             match mtl::read(&library, location, textures, warnings) {
                 Ok(read) => materials.extend(read),
                 Err(error @ IoError::FileMissing { .. })
@@ -75,8 +87,21 @@ pub(super) fn check_names(
     Ok(())
 }
 
-/// Decodes the maps of all materials at once.
-pub(crate) fn decode_maps(descriptions: &[Description], textures: &mut Textures) {
+/// Finds the maps of all materials, and decodes them at once.
+pub(crate) fn decode_maps(
+    descriptions: &mut [Description],
+    textures: &mut Textures,
+    warnings: &mut Vec<String>,
+) {
+    for map in descriptions
+        .iter_mut()
+        .flat_map(|d| d.maps.iter_mut())
+        .flatten()
+    {
+        if let Some(found) = textures.found(&map.location, &map.name, warnings) {
+            map.name = found;
+        }
+    }
     let maps = descriptions
         .iter()
         .flat_map(|d| d.maps.iter().zip(CONTENTS));

@@ -36,12 +36,12 @@ pub(crate) fn read(
         });
     }
     let mut warnings = Vec::new();
-    let descriptions = libraries(path, &obj, missing, textures, &mut warnings)?;
+    let mut descriptions = libraries(path, &obj, missing, textures, &mut warnings)?;
     let lenient = missing.is_lenient() || textures.tolerant;
     check_names(&obj, &descriptions, lenient, &mut warnings).map_err(hidden)?;
     let parts = parts(&obj, &descriptions, request.textured);
     report(path, &obj, &parts, &mut warnings);
-    decode_maps(&descriptions, textures);
+    decode_maps(&mut descriptions, textures, &mut warnings);
     let mut materials = Vec::new();
     for description in descriptions {
         materials.push(material(description, missing, textures, &mut warnings)?);

@@ -46,7 +46,7 @@ pub(crate) fn read(
         .ask(corners, what, "split the file", named_by)?;
     let mut warnings = left_out(path, &header);
     let mut materials = Vec::new();
-    let descriptions: Vec<Description> = header
+    let mut descriptions: Vec<Description> = header
         .textures
         .iter()
         .zip(0..)
@@ -56,7 +56,7 @@ pub(crate) fn read(
         .collect();
     let colored = !points.colors.is_empty();
     let parts = parts(request, points, polygons, &descriptions, &mut warnings)?;
-    obj::decode_maps(&descriptions, textures);
+    obj::decode_maps(&mut descriptions, textures, &mut warnings);
     for description in descriptions {
         materials.push(obj::material(
             description,

@@ -288,6 +288,18 @@ fn lost_and_broken_pictures() {
     let error = files.load("a.gltf").unwrap_err();
     assert_eq!(error.code(), "unsupported-gltf");
     assert!(error.help().contains("ktxdecompress"));
+    // The picture of a machine that takes both cases for one.
+    let files = files
+        .with("b.gltf", textured.replace("a.png", "b.png"))
+        .with_png("B.PNG", 3, 3, [255; 4]);
+    let scene = files.load("b.gltf").expect("a model");
+    assert_eq!(scene.textures[0].width(), 3);
+    let told = "b.png: no such file: B.PNG is read";
+    assert!(
+        scene.warnings.iter().any(|w| w.contains(told)),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 #[test]
