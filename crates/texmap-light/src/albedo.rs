@@ -6,6 +6,8 @@ mod table;
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
+use crate::roughness_table::{Place, mix, split};
+
 /// Steps of roughness, and of the cosine's square root.
 pub(crate) const SIDE: usize = 64;
 /// Steps of a stored value.
@@ -15,13 +17,14 @@ const UNIT: f32 = 1.0 / 65535.0;
 /// 0 to 1.
 #[inline(always)]
 pub(crate) fn ggx<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> [I::F32; 2] {
-    let Some(around) = Around::read(i, &table::GGX, roughness, cosine) else {
+    let Some(words) = GatherTable::new(&table::GGX) else {
         return [i.f32(0.0); 2];
     };
-    let [a, b, c, d] = around.words;
+    let place = Place::new(i, roughness, cosine, [SIDE; 2]);
+    let [a, b, c, d] = place.read(i, words);
     [
-        around.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]),
-        around.mean([high::<I>(a), high::<I>(b), high::<I>(c), high::<I>(d)]),
+        place.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]) * UNIT,
+        place.mean([high::<I>(a), high::<I>(b), high::<I>(c), high::<I>(d)]) * UNIT,
     ]
 }
 
@@ -64,53 +67,12 @@ pub(crate) fn ggx_grazing<I: Isa>(i: I, roughness: I::F32) -> [I::F32; 2] {
 /// White sheen; both arguments within 0 to 1.
 #[inline(always)]
 pub(crate) fn sheen<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> I::F32 {
-    let Some(around) = Around::read(i, &table::SHEEN, roughness, cosine) else {
+    let Some(words) = GatherTable::new(&table::SHEEN) else {
         return i.f32(0.0);
     };
-    let [a, b, c, d] = around.words;
-    around.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)])
-}
-
-/// The four words around a position in a table, and the distances of the position from the first.
-struct Around<I: Isa> {
-    words: [I::U32; 4],
-    x: I::F32,
-    y: I::F32,
-}
-
-impl<I: Isa> Around<I> {
-    #[inline(always)]
-    fn read(
-        i: I,
-        words: &'static [u32; SIDE * SIDE],
-        roughness: I::F32,
-        cosine: I::F32,
-    ) -> Option<Self> {
-        let words = GatherTable::new(words)?;
-        let (row, y) = split(i, roughness, SIDE);
-        let (column, x) = split(i, cosine.sqrt(), SIDE);
-        let at = (row * SIDE as i32 + column).to_u32();
-        let [p, q] = i.gather_pairs(words, at);
-        let [r, s] = i.gather_pairs(words, at + SIDE as u32);
-        Some(Self {
-            words: [p, q, r, s],
-            x,
-            y,
-        })
-    }
-
-    #[inline(always)]
-    fn mean(&self, values: [I::F32; 4]) -> I::F32 {
-        bilinear::<I>(values, self.x, self.y) * UNIT
-    }
-}
-
-/// Of `side` even steps the one at or below a coordinate within 0 to 1, with one above it, and the distance from there.
-#[inline(always)]
-pub(crate) fn split<I: Isa>(i: I, c: I::F32, side: usize) -> (I::I32, I::F32) {
-    let c = c.clamp(i.f32(0.0), i.f32(1.0)) * (side - 1) as f32;
-    let low = c.floor_to_i32().min(i.i32(side as i32 - 2));
-    (low, c - low.to_f32())
+    let place = Place::new(i, roughness, cosine, [SIDE; 2]);
+    let [a, b, c, d] = place.read(i, words);
+    place.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]) * UNIT
 }
 
 #[inline(always)]
@@ -121,17 +83,6 @@ fn low<I: Isa>(word: I::U32) -> I::F32 {
 #[inline(always)]
 fn high<I: Isa>(word: I::U32) -> I::F32 {
     (word >> 16).to_i32().to_f32()
-}
-
-/// Between four entries of a table: two of a row, and those below.
-#[inline(always)]
-pub(crate) fn bilinear<I: Isa>([p, q, r, s]: [I::F32; 4], x: I::F32, y: I::F32) -> I::F32 {
-    mix::<I>(mix::<I>(p, q, x), mix::<I>(r, s, x), y)
-}
-
-#[inline(always)]
-fn mix<I: Isa>(p: I::F32, q: I::F32, k: I::F32) -> I::F32 {
-    p + (q - p) * k
 }
 
 #[cfg(test)]

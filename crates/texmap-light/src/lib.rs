@@ -56,6 +56,7 @@ mod punctual;
 pub mod reference;
 mod reflect;
 mod reflection_lobes;
+mod roughness_table;
 mod shade;
 mod shadow;
 mod shadow_bounds;

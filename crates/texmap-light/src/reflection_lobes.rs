@@ -10,7 +10,7 @@ mod table;
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::albedo::{bilinear, split};
+use crate::roughness_table::Place;
 
 /// Lobes of a surface, at most.
 const LOBES: usize = 4;
@@ -65,17 +65,7 @@ impl ReflectionLobes {
 #[inline(always)]
 pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> ReflectionLobesLanes<I> {
     let (zero, one) = (i.f32(0.0), i.f32(1.0));
-    let (row, y) = split(i, roughness, ROWS);
-    let (column, x) = split(i, cosine.sqrt(), COLUMNS);
-    let at = (row * COLUMNS as i32 + column).to_u32();
-    let around = |words: &'static [u32; ROWS * COLUMNS]| match GatherTable::new(words) {
-        Some(words) => {
-            let [p, q] = i.gather_pairs(words, at);
-            let [r, s] = i.gather_pairs(words, at + COLUMNS as u32);
-            [p, q, r, s]
-        }
-        None => [i.u32(0); 4],
-    };
+    let place = Place::new(i, roughness, cosine, [ROWS, COLUMNS]);
     let mut diffuse = one;
     let mut lobes = [ReflectionLobeLanes {
         lean: zero,
@@ -83,12 +73,15 @@ pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> Reflecti
         weight: zero,
     }; LOBES];
     for (k, lobe) in lobes.iter_mut().enumerate() {
-        let words = around(&table::LOBES[k]);
-        let lean = field::<I>(words, 0, 4095, x, y);
-        let factor = field::<I>(words, 12, 1023, x, y);
+        let words = match GatherTable::new(&table::LOBES[k]) {
+            Some(words) => place.read(i, words),
+            None => [i.u32(0); 4],
+        };
+        let lean = field(&place, words, 0, 4095);
+        let factor = field(&place, words, 12, 1023);
         lobe.lean = lean * (2.5 / 4095.0) - 1.5;
         lobe.roughness = (factor * ((1.0 - LEAST_FACTOR) / 1023.0) + LEAST_FACTOR) * roughness;
-        lobe.weight = field::<I>(words, 22, 1023, x, y) * (1.0 / 1023.0);
+        lobe.weight = field(&place, words, 22, 1023) * (1.0 / 1023.0);
         diffuse = diffuse - lobe.weight;
     }
     ReflectionLobesLanes { lobes, diffuse }
@@ -96,12 +89,11 @@ pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> Reflecti
 
 /// Bits of four words of the table, and the value between them.
 #[inline(always)]
-fn field<I: Isa>([p, q, r, s]: [I::U32; 4], shift: u32, mask: u32, x: I::F32, y: I::F32) -> I::F32 {
-    let value = [
+fn field<I: Isa>(place: &Place<I>, [p, q, r, s]: [I::U32; 4], shift: u32, mask: u32) -> I::F32 {
+    place.mean([
         ((p >> shift) & mask).to_i32().to_f32(),
         ((q >> shift) & mask).to_i32().to_f32(),
         ((r >> shift) & mask).to_i32().to_f32(),
         ((s >> shift) & mask).to_i32().to_f32(),
-    ];
-    bilinear::<I>(value, x, y)
+    ])
 }
