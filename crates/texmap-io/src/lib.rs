@@ -74,6 +74,7 @@ pub use info::{
     AnimationInfo, CameraInfo, ExtensionInfo, FileInfo, MeshInfo, NamedFile, info, info_with,
 };
 pub use light_path::{LightKeyframe, LightPath};
+pub use models::obj_text;
 pub use obj::ObjText;
 pub use picture_format::{Lost, PictureFormat, PixelCode, write_pixels};
 pub use scene::{LoadOptions, load, load_bytes, load_model, load_scene};

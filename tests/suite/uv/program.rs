@@ -339,3 +339,60 @@ fn polygons_too_large_for_the_unwrapper_are_refused_by_line() {
             .success()
     );
 }
+
+/// Other formats become an OBJ: a cube of four-cornered faces as PLY, its triangles as STL, where no corner is shared.
+#[test]
+fn a_ply_and_an_stl_become_an_obj() {
+    let (dir, out) = temp();
+    let at = |name: &str| dir.path().join(name).display().to_string();
+    let corner = |k: usize| [k & 1, (k >> 1) & 1, k >> 2];
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let mut ply = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 6\nproperty list uchar int vertex_indices\nend_header\n".to_owned();
+    for [x, y, z] in (0..8).map(corner) {
+        ply += &format!("{x} {y} {z}\n");
+    }
+    let mut stl = "solid cube\n".to_owned();
+    for [a, b, c, d] in faces {
+        ply += &format!("4 {a} {b} {c} {d}\n");
+        for triangle in [[a, b, c], [a, c, d]] {
+            stl += "facet normal 0 0 0\nouter loop\n";
+            for [x, y, z] in triangle.map(corner) {
+                stl += &format!("vertex {x} {y} {z}\n");
+            }
+            stl += "endloop\nendfacet\n";
+        }
+    }
+    std::fs::write(at("a.ply"), ply).unwrap();
+    std::fs::write(at("a.stl"), stl + "endsolid cube\n").unwrap();
+    for (name, corners, count) in [("a.ply", 4, 6), ("a.stl", 3, 12)] {
+        let output = texmap(&[&at(name), "--map", "unwrap", "-o", &at("out.obj")]);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{name}: {told}");
+        let text = std::fs::read_to_string(&out).unwrap();
+        let of = |word: &str| text.lines().filter(|l| l.starts_with(word)).count();
+        assert_eq!((of("v "), of("f ")), (8, count), "{name}");
+        let face = text.lines().find(|l| l.starts_with("f ")).unwrap();
+        assert_eq!(face.split(' ').count(), corners + 1, "{face}");
+        let found = json(&[&at("out.obj"), "--report", "--json"]);
+        assert_eq!(found["triangles"], 12, "{found}");
+        // A flat mapping loses the sides; their faces have numbers, not lines.
+        let output = texmap(&[&at(name), "--map", "plane", "-o", &at("flat.obj")]);
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(told.contains("the first in face "), "{told}");
+    }
+    let glb = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/gltf/box.glb");
+    let output = texmap(&[&glb.display().to_string(), "-o", &at("b.obj")]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{told}");
+    assert!(
+        told.contains("error[unknown-format]") && told.contains(".obj, .ply and .stl"),
+        "{told}"
+    );
+}

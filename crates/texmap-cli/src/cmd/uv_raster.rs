@@ -26,7 +26,7 @@ use crate::output::{Destination, Stage, distinct};
     after_help = "Needs texture coordinates: `texmap uv MESH -o OUT.obj --map unwrap` makes some."
 )]
 pub(crate) struct UvRasterArgs {
-    /// An OBJ file with texture coordinates
+    /// An OBJ or PLY file with texture coordinates
     mesh: PathBuf,
     /// Prefix of the names of the files to write
     #[arg(short, long, value_name = "PREFIX")]
@@ -296,24 +296,17 @@ fn report(
         }))?;
     }
     if !atlas.lost.is_empty() {
-        let mut lines: Vec<u32> = atlas
-            .lost
-            .iter()
-            .map(|t| source.obj.line(faces[*t as usize]))
-            .collect();
-        lines.dedup();
-        let first: Vec<String> = lines.iter().take(5).map(u32::to_string).collect();
+        let lost: Vec<usize> = atlas.lost.iter().map(|t| faces[*t as usize]).collect();
         let advice = if args.conservative {
             "they lie outside of [0, 1] or under others; a larger --size may hold more"
         } else {
             "they lie outside of [0, 1], under others, or between texel centres; try --conservative or a larger --size"
         };
         say(&format!(
-            "warning: {} of {} triangles own no texel (lines {}{}): {advice}\n",
+            "warning: {} of {} triangles own no texel ({}): {advice}\n",
             atlas.lost.len(),
             faces.len(),
-            first.join(", "),
-            if lines.len() > 5 { ", ..." } else { "" },
+            source.places(&lost),
         ));
     }
     say(&format!(

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use texmap_uv::{Faces, UvSet};
 
-use super::pieces;
 use super::read::{NONE, Obj, Spans};
 use super::source::Span;
+use super::{Model, pieces, written};
 use crate::files::{MAX_TEXT, is_called};
 use crate::{FileSource, IoError};
 
@@ -20,10 +20,12 @@ pub struct ObjText {
     obj: Obj,
     spans: Spans,
     faces: Faces,
+    /// The text is that of the file.
+    own: bool,
 }
 
 impl ObjText {
-    /// Reads a file.
+    /// Reads a file. [`obj_text`](crate::obj_text) reads those of other formats, too.
     ///
     /// # Errors
     /// File errors, a statement that is wrong, with line and column, or [`IoError::Memory`].
@@ -35,6 +37,20 @@ impl ObjText {
             true => error,
             false => error.without_words(),
         })
+    }
+
+    /// The text of a model of another format, without its materials; with its normals, if they are asked for. Equal positions are one
+    /// vertex.
+    pub(crate) fn of_model(
+        path: &Path,
+        model: &Model,
+        normals: bool,
+        files: &FileSource,
+    ) -> Result<Self, IoError> {
+        let text = written::text(model, normals);
+        let what = format_args!("what {} says as an OBJ", path.display());
+        files.ask(24 * text.len() as u64, what, "split the model", None)?;
+        Self::parse(path, text).map(|obj| Self { own: false, ..obj })
     }
 
     fn parse(path: &Path, text: String) -> Result<Self, IoError> {
@@ -54,6 +70,7 @@ impl ObjText {
             obj,
             spans,
             faces,
+            own: true,
         })
     }
 
@@ -67,9 +84,10 @@ impl ObjText {
         &self.faces
     }
 
-    /// Line of a face in the file, from 1; 0 for a face that it does not have.
-    pub fn line(&self, face: usize) -> u32 {
-        self.obj.faces.get(face).map_or(0, |face| face.line)
+    /// Line of a face in the file, from 1; `None` for a face that it does not have, and where the file is no OBJ.
+    pub fn line(&self, face: usize) -> Option<u32> {
+        let face = self.obj.faces.get(face).filter(|_| self.own);
+        face.map(|face| face.line)
     }
 
     /// The file's coordinates; `None` if a corner has none.
@@ -266,7 +284,7 @@ mod tests {
         let obj = parse(QUAD).unwrap();
         assert_eq!(
             (obj.positions().len(), obj.faces().len(), obj.line(0)),
-            (4, 1, 13)
+            (4, 1, Some(13))
         );
         assert_eq!(obj.uv_set().unwrap().corners, [0, 1, 1, 0]);
         let set = UvSet {

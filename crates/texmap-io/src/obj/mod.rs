@@ -11,6 +11,7 @@ mod pieces;
 mod read;
 mod source;
 mod vertices;
+mod written;
 
 use texmap_sample::UvTransform;
 

@@ -1,4 +1,4 @@
-//! `texmap uv`: texture coordinates for an OBJ, and a report on its present ones.
+//! `texmap uv`: texture coordinates for a mesh, and a report on its present ones.
 
 mod pictures;
 pub(super) mod source;
@@ -28,9 +28,10 @@ use crate::values::Triple;
 ///
 /// Without --map the coordinates of the file are cut, sewn, packed or reported as they are. Only `vt` lines and the
 /// corners of `f` lines change, and `mtllib` names where the output lies in another folder; everything else in the file is kept.
+/// A PLY or STL becomes an OBJ: equal positions are one vertex, materials are left out.
 #[derive(Args, Debug)]
 pub(crate) struct UvArgs {
-    /// An OBJ file
+    /// An OBJ, PLY or STL file
     mesh: PathBuf,
     /// The OBJ to write, with the new coordinates
     #[arg(short, long)]
@@ -204,24 +205,20 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     }
     let lost = unmapped(&mesh, &set).map_err(|e| source.fault(&e))?;
     if lost.fraction > 0.01 {
-        let line = lost.face.map_or(0, |f| source.obj.line(f as usize));
+        let first = lost.face.map(|face| source.place(face as usize));
         say(&format!(
-            "warning: {} % of the surface has no area in the picture ({} triangles, the first in line {line}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
+            "warning: {} % of the surface has no area in the picture ({} triangles, the first in {}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
             digits(100.0 * lost.fraction),
             lost.triangles,
+            first.unwrap_or_default(),
         ));
     }
     if !around.is_empty() {
-        let first: Vec<String> = around
-            .iter()
-            .take(5)
-            .map(|f| source.obj.line(*f as usize).to_string())
-            .collect();
+        let faces: Vec<usize> = around.iter().map(|face| *face as usize).collect();
         say(&format!(
-            "warning: {} faces enclose the axis of the shape and cannot be mapped right by their vertices (lines {}{}); divide them at the axis\n",
+            "warning: {} faces enclose the axis of the shape and cannot be mapped right by their vertices ({}); divide them at the axis\n",
             around.len(),
-            first.join(", "),
-            if around.len() > 5 { ", ..." } else { "" },
+            source.places(&faces),
         ));
     }
     for line in written {

@@ -1,13 +1,13 @@
-//! An OBJ file and the messages of its faults.
+//! A mesh as the text of an OBJ, and the messages of its faults.
 
 use std::path::Path;
 
-use texmap_io::{FileSource, ObjText, shown};
+use texmap_io::{FileSource, IoError, ObjText, obj_text, shown};
 use texmap_uv::{Mesh, UvError, UvSet, tangents};
 
 use crate::failure::{Exit, Failure};
 
-/// An OBJ and its name.
+/// The text and its name.
 pub(in crate::cmd) struct Source<'a> {
     path: &'a Path,
     pub(in crate::cmd) obj: ObjText,
@@ -15,8 +15,43 @@ pub(in crate::cmd) struct Source<'a> {
 
 impl<'a> Source<'a> {
     pub(in crate::cmd) fn read(path: &'a Path) -> Result<Self, Failure> {
-        let obj = ObjText::read(path, &FileSource::anywhere())?;
-        Ok(Self { path, obj })
+        match obj_text(path, &FileSource::anywhere()) {
+            Ok(obj) => Ok(Self { path, obj }),
+            Err(error @ IoError::UnknownFormat { .. }) => Err(Failure::new(
+                Exit::Input,
+                error.code(),
+                format!(
+                    "{}: coordinates are given to .obj, .ply and .stl files",
+                    shown(path)
+                ),
+                "write the mesh as an OBJ by the program that made it",
+            )),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// The place of a face in messages: its line, or its number from 1.
+    pub(in crate::cmd) fn place(&self, face: usize) -> String {
+        match self.obj.line(face) {
+            Some(line) => format!("line {line}"),
+            None => format!("face {}", face + 1),
+        }
+    }
+
+    /// The places of some faces in messages.
+    pub(in crate::cmd) fn places(&self, faces: &[usize]) -> String {
+        let lines = faces.iter().map(|face| self.obj.line(*face));
+        let (kind, mut numbers): (_, Vec<usize>) = match lines.collect::<Option<Vec<_>>>() {
+            Some(lines) => (
+                "lines",
+                lines.into_iter().map(|line| line as usize).collect(),
+            ),
+            None => ("faces", faces.iter().map(|face| face + 1).collect()),
+        };
+        numbers.dedup();
+        let more = if numbers.len() > 5 { ", ..." } else { "" };
+        let first: Vec<String> = numbers.iter().take(5).map(usize::to_string).collect();
+        format!("{kind} {}{more}", first.join(", "))
     }
 
     pub(in crate::cmd) fn mesh(&self) -> Result<Mesh<'_>, Failure> {
@@ -56,7 +91,7 @@ impl<'a> Source<'a> {
         };
         let path = shown(self.path);
         let place = match (0..mesh.faces().len()).find(of_face) {
-            Some(face) => format!("{path}:{}: a coordinate of this face", self.obj.line(face)),
+            Some(face) => format!("{path}: {}: a coordinate of this face", self.place(face)),
             None => format!("{path}: a coordinate that no face uses"),
         };
         Err(Failure::new(
@@ -90,7 +125,7 @@ impl<'a> Source<'a> {
             UvError::NotFinite { face, .. }
             | UvError::BadIndex { face, .. }
             | UvError::TooFewCorners { face, .. }
-            | UvError::TooManyCorners { face, .. } => Some(self.obj.line(*face)),
+            | UvError::TooManyCorners { face, .. } => self.obj.line(*face),
             _ => None,
         };
         let place = match line {
@@ -98,7 +133,11 @@ impl<'a> Source<'a> {
             None => self.path.display().to_string(),
         };
         let (code, what, why) = match error {
-            UvError::Empty => ("empty-mesh", error.to_string(), "the file has no `f` line"),
+            UvError::Empty => (
+                "empty-mesh",
+                error.to_string(),
+                "an OBJ has its faces in `f` lines",
+            ),
             UvError::NotFinite { face, index } => (
                 "not-finite",
                 format!(
