@@ -272,6 +272,31 @@ fn shadows_are_asked_for_by_name() {
 }
 
 #[test]
+fn a_bake_without_light_warns_that_it_is_black() {
+    let desk = Desk::new();
+    room(&desk, "");
+    desk.put(
+        "dark.scene",
+        "lightmapuv floor.obj\nobj floor.obj\neye 0 2 4\n",
+    );
+    let bake = |scene: &str| {
+        let words = format!("bake {scene}.scene --object floor --light --size 16 -o m.png --json");
+        desk.texmap(&words).ok()
+    };
+    let run = bake("dark");
+    assert!(
+        run.stderr.contains("warning: no light is baked"),
+        "{}",
+        run.stderr
+    );
+    let report = String::from_utf8_lossy(&run.stdout);
+    assert!(report.contains("no light is baked"), "{report}");
+    assert!(desk.picture("m.png").pixels().all(|p| p.0[..3] == [0; 3]));
+    assert!(!bake("lit").stderr.contains("no light"));
+    assert!(desk.picture("m.png").pixels().any(|p| p.0[0] > 20));
+}
+
+#[test]
 fn bakes_are_refused_with_their_reason() {
     let desk = Desk::new();
     room(&desk, "");

@@ -88,14 +88,14 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     let mut written = Written::new("bake");
     let bare = |mesh: &&Mesh| args.object == "all" && !has_coordinates(mesh);
     for mesh in scene.meshes.iter().filter(bare) {
-        let warning = format!("`{}` has no texture coordinates and is left out", mesh.name);
-        say(&format!("warning: {warning}\n"));
-        written.warn([warning]);
+        written.say_warning(format!(
+            "`{}` has no texture coordinates and is left out",
+            mesh.name
+        ));
     }
     for warning in &scene.warnings {
-        say(&format!("warning: {warning}\n"));
+        written.say_warning(warning.clone());
     }
-    written.warn(scene.warnings.iter().cloned());
     let destinations = outputs.iter().map(|output| Destination::new(output));
     let destinations: Vec<Destination> = destinations.collect::<Result<_, _>>()?;
     let Some(first) = destinations.first() else {
@@ -103,17 +103,20 @@ pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     };
     let mut stage = Stage::new(first)?;
     let lights = lights(args, &scene)?;
+    if lights.is_empty() {
+        written.say_warning(
+            "no light is baked, so that all is black: give the scene lights (`la`, `ld`, `lp`, `ls`), or leave out fewer".to_owned(),
+        );
+    }
     let shadows = shadows(args, &scene, &lights).map_err(refused)?;
     let baker = Baker::new(&scene).map_err(refused)?;
     let mut words = Vec::new();
     for ((mesh, output), destination) in meshes.iter().zip(&outputs).zip(destinations) {
         let name = &scene.meshes[*mesh].name;
         if scene.meshes[*mesh].lightmap_uvs.is_empty() {
-            let warning = format!(
+            written.say_warning(format!(
                 "`{name}` has no second uv set (a `lightmapuv` line): its texture coordinates are baked onto; where they overlap the first face wins"
-            );
-            say(&format!("warning: {warning}\n"));
-            written.warn([warning]);
+            ));
         }
         let options = BakeOptions {
             size: args.size,

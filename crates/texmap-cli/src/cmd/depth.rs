@@ -60,9 +60,8 @@ pub(crate) fn run(args: &DepthArgs) -> Result<Exit, Failure> {
     let map = shadow_map(&scene, &kind, args.size, usize::MAX).map_err(refused)?;
     let mut written = Written::new("depth");
     for warning in &scene.warnings {
-        say(&format!("warning: {warning}\n"));
+        written.say_warning(warning.clone());
     }
-    written.warn(scene.warnings.iter().cloned());
     let faces = match kind {
         ShadowKind::Point { .. } => 6,
         _ => 1,

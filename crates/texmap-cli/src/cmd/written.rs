@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::failure::{self, Exit, Failure};
+use crate::failure::{self, Exit, Failure, say};
 use crate::observe;
 
 /// Files that a verb wrote.
@@ -57,6 +57,12 @@ impl Written {
 
     pub(crate) fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
         self.warnings.extend(warnings);
+    }
+
+    /// Warns on standard error, too.
+    pub(crate) fn say_warning(&mut self, warning: String) {
+        say(&format!("warning: {warning}\n"));
+        self.warn([warning]);
     }
 
     /// Prints the report if `json` asks for it.
