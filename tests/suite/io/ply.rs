@@ -78,6 +78,28 @@ fn load(files: Files) -> Scene {
         .unwrap_or_else(|e| panic!("{e}; {}", e.help()))
 }
 
+#[test]
+fn colours_have_several_names() {
+    let text = String::from_utf8(square(Encoding::Ascii)).expect("text");
+    let colors = |names: [&str; 3]| {
+        let mut text = text.clone();
+        for (from, to) in ["red", "green", "blue"].into_iter().zip(names) {
+            text = text.replace(&format!("uchar {from}\n"), &format!("uchar {to}\n"));
+        }
+        load(Files::new().with("a.ply", text)).meshes[0]
+            .colors
+            .clone()
+    };
+    let right = colors(["red", "green", "blue"]);
+    assert_eq!(right.len(), 4);
+    assert_eq!(colors(["r", "g", "b"]), right);
+    assert_eq!(
+        colors(["diffuse_red", "diffuse_green", "diffuse_blue"]),
+        right
+    );
+    assert!(colors(["cyan", "green", "blue"]).is_empty());
+}
+
 /// Four vertices with all that a vertex may have, in an order and in types that few programs write, and two faces.
 fn square(encoding: Encoding) -> Vec<u8> {
     let head = "comment by hand\nelement vertex 4\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty double z\n\

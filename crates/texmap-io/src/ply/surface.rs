@@ -60,7 +60,12 @@ impl Points {
         if let Some(normal) = fields([&["nx"], &["ny"], &["nz"]]) {
             points.normals = three(normal, "normal")?;
         }
-        if let Some(color) = fields([&["red", "r"], &["green", "g"], &["blue", "b"]]) {
+        let color = [
+            &["red", "r", "diffuse_red"][..],
+            &["green", "g", "diffuse_green"],
+            &["blue", "b", "diffuse_blue"],
+        ];
+        if let Some(color) = fields(color) {
             points.colors = three(color, "colour")?;
             let most = color.map(|field| match field.property.kind.size() {
                 1 => 255.0,
