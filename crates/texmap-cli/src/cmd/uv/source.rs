@@ -91,7 +91,10 @@ impl<'a> Source<'a> {
         };
         let path = shown(self.path);
         let place = match (0..mesh.faces().len()).find(of_face) {
-            Some(face) => format!("{path}: {}: a coordinate of this face", self.place(face)),
+            Some(face) => match self.obj.line(face) {
+                Some(line) => format!("{path}:{line}: a coordinate of this face"),
+                None => format!("{path}: a coordinate of face {}", face + 1),
+            },
             None => format!("{path}: a coordinate that no face uses"),
         };
         Err(Failure::new(
