@@ -12,6 +12,7 @@ use glow::HasContext as _;
 use texmap_benches::bench_scenes::{
     METALLIC, METALLIC_LIGHT, METALLIC_LIGHTS, METALLIC_SUN, ROUGHNESS, metallic_environment,
 };
+use texmap_light::reference::metallic_roughness::{GRAZING_MEAN, GRAZING_VARIANCE};
 use texmap_light::{EnvironmentLayout, EnvironmentLight, ReflectionLobes, split_sum};
 use texmap_math::glam::DVec2;
 use texmap_scene::ColorMode;
@@ -176,12 +177,10 @@ impl Metallic {
 /// mean of that.
 fn hemisphere() -> [[f32; 2]; 2] {
     const COUNT: u32 = 4096;
-    const MEAN: f64 = 1.0 / 21.0;
-    const VARIANCE: f64 = 1.0 / 66.0 - MEAN * MEAN;
     let cosine = |k: u32| (f64::from(k) + 0.5) / f64::from(COUNT);
     let (mut mean, mut slope) = ([0.0; 2], [0.0; 2]);
     for c in (0..COUNT).map(cosine) {
-        let off = ((1.0 - c).powi(5) - MEAN) / VARIANCE * MEAN;
+        let off = ((1.0 - c).powi(5) - GRAZING_MEAN) / GRAZING_VARIANCE * GRAZING_MEAN;
         for (k, share) in split_sum(ROUGHNESS, c as f32).into_iter().enumerate() {
             let share = 2.0 * c * f64::from(share) / f64::from(COUNT);
             mean[k] += share;

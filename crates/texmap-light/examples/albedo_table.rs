@@ -1,6 +1,8 @@
 //! Prints `src/albedo/table.rs`: `cargo run --release -p texmap-light --example albedo_table > crates/texmap-light/src/albedo/table.rs`.
 #![allow(clippy::print_stdout, reason = "the table goes to standard output")]
-use texmap_light::reference::metallic_roughness::{ggx_albedo, sheen_albedo};
+use texmap_light::reference::metallic_roughness::{
+    GRAZING_MEAN, GRAZING_VARIANCE, ggx_albedo, sheen_albedo,
+};
 use texmap_light::{MIN_ROUGHNESS, SHEEN_MIN_ROUGHNESS};
 
 const SIDE: usize = 64;
@@ -44,7 +46,7 @@ fn main() {
             // 2 c dc for c = t^2.
             let share = 4.0 * t * t * t / 128.0;
             // (1 - c)^5 less its mean, over its variance.
-            let off = ((1.0 - t * t).powi(5) - 1.0 / 21.0) / (1.0 / 66.0 - 1.0 / 441.0);
+            let off = ((1.0 - t * t).powi(5) - GRAZING_MEAN) / GRAZING_VARIANCE;
             sum = [0, 1].map(|j| sum[j] + value[j] * share);
             slopes = [0, 1].map(|j| slopes[j] + value[j] * share * off);
         }

@@ -6,7 +6,7 @@ mod table;
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::roughness_table::{Place, mix, split};
+use crate::roughness_table::{TablePosition, mix, split};
 
 /// Steps of roughness, and of the cosine's square root.
 pub(crate) const SIDE: usize = 64;
@@ -20,11 +20,11 @@ pub(crate) fn ggx<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> [I::F32; 2
     let Some(words) = GatherTable::new(&table::GGX) else {
         return [i.f32(0.0); 2];
     };
-    let place = Place::new(i, roughness, cosine, [SIDE; 2]);
-    let [a, b, c, d] = place.read(i, words);
+    let position = TablePosition::new(i, roughness, cosine, [SIDE; 2]);
+    let [a, b, c, d] = position.read(i, words);
     [
-        place.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]) * UNIT,
-        place.mean([high::<I>(a), high::<I>(b), high::<I>(c), high::<I>(d)]) * UNIT,
+        position.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]) * UNIT,
+        position.mean([high::<I>(a), high::<I>(b), high::<I>(c), high::<I>(d)]) * UNIT,
     ]
 }
 
@@ -70,9 +70,9 @@ pub(crate) fn sheen<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> I::F32 {
     let Some(words) = GatherTable::new(&table::SHEEN) else {
         return i.f32(0.0);
     };
-    let place = Place::new(i, roughness, cosine, [SIDE; 2]);
-    let [a, b, c, d] = place.read(i, words);
-    place.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]) * UNIT
+    let position = TablePosition::new(i, roughness, cosine, [SIDE; 2]);
+    let [a, b, c, d] = position.read(i, words);
+    position.mean([low::<I>(a), low::<I>(b), low::<I>(c), low::<I>(d)]) * UNIT
 }
 
 #[inline(always)]

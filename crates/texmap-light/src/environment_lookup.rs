@@ -121,13 +121,14 @@ impl LevelTable {
         lod: I::F32,
         direction: Vector<I>,
     ) -> Vector<I> {
-        let (face, u, v) = place_on_cube(i, direction);
+        let (face, u, v) = face_coordinates(i, direction);
         let level = lod.floor_to_i32();
         let k = lod - level.to_f32();
         self.between::<I, true, SharedExponent>(i, words, level, k, face, u, v)
     }
 
-    /// Bilinear on the first level of a cube and, if it is asked for, on the second of the same size, else the first again. Zero and non-finite directions read as +Z.
+    /// Bilinear on the first level of a cube and, if it is asked for, on the second of the same size, else the first again. Zero and
+    /// non-finite directions read as +Z.
     #[inline(always)]
     pub(crate) fn first_two_lanes<I: Isa>(
         &self,
@@ -136,7 +137,7 @@ impl LevelTable {
         direction: Vector<I>,
         second: bool,
     ) -> [Vector<I>; 2] {
-        let (face, u, v) = place_on_cube(i, direction);
+        let (face, u, v) = face_coordinates(i, direction);
         let mut at = self.level(i, 0);
         let mut first = [i.f32(0.0); 3];
         for next in 0..2 {
@@ -225,7 +226,7 @@ impl LevelTable {
 
 /// Face of a cube and coordinates on it, 0 to 1. Zero and non-finite directions are +Z.
 #[inline(always)]
-fn place_on_cube<I: Isa>(i: I, direction: Vector<I>) -> (I::I32, I::F32, I::F32) {
+fn face_coordinates<I: Isa>(i: I, direction: Vector<I>) -> (I::I32, I::F32, I::F32) {
     let (d, _) = usable(i, direction);
     let side = Side::<I>::of(d);
     let [sc, tc, m] = side.along(d);

@@ -100,9 +100,9 @@ pub struct ReflectanceLanes<I: Isa> {
     /// Directional albedo of the GGX lobe at the first bounce, and at further ones.
     once: Vector<I>,
     again: Vector<I>,
-    /// Directional albedo of the diffuse base, and the weight of light at grazing incidence in its light: 0 or less.
+    /// Directional albedo of the diffuse base, and 1 over the fraction of even light that reaches it.
     diffuse: Vector<I>,
-    grazing: I::F32,
+    per_left: I::F32,
     /// Reflectance of further bounces and of the base for one light, without the factors of its direction.
     again_of_light: Vector<I>,
     diffuse_of_light: Vector<I>,
@@ -164,9 +164,6 @@ impl<I: Isa> ReflectanceLanes<I> {
         let left_average: I::F32 = one - (most * mean_a + surface.f90 * mean_b + more * lost);
         let per_left = one / left_average.above(least);
         let diffuse = scale(surface.base_color, (one - metallic) * left);
-        // The dielectric lobe's albedo rises towards grazing incidence: what it takes more there, the base gets less.
-        let [more_a, more_b] = albedo::ggx_grazing(i, roughness);
-        let rise = most * more_a + surface.f90 * more_b - more * (more_a + more_b);
         let mut f0 = surface.f0;
         let (mut once, mut again, mut again_of_light) = (f0, f0, f0);
         for k in 0..3 {
@@ -190,7 +187,7 @@ impl<I: Isa> ReflectanceLanes<I> {
             once,
             again,
             diffuse,
-            grazing: -rise * per_left,
+            per_left,
             again_of_light,
             diffuse_of_light: scale(diffuse, per_left),
             dielectric: [most, surface.f90, more],
@@ -283,8 +280,11 @@ impl<I: Isa> ReflectanceLanes<I> {
         let base = some(i, self.diffuse);
         let [irradiance, grazing] = light.diffuse_lanes(i, self.normal, base);
         let mut diffuse = irradiance;
-        for k in 0..3 {
-            diffuse[k] = irradiance[k] + (grazing[k] - irradiance[k]) * self.grazing;
+        if base {
+            let weight = self.grazing_weight(i);
+            for k in 0..3 {
+                diffuse[k] = irradiance[k] + (grazing[k] - irradiance[k]) * weight;
+            }
         }
         // Matte surfaces have no lobe.
         let glossy = if some(i, self.once) {
@@ -306,6 +306,15 @@ impl<I: Isa> ReflectanceLanes<I> {
             coating,
         };
         scale(self.under_gathered(i, &light), share)
+    }
+
+    /// Weight of light at grazing incidence in the light of the base, 0 or less: the albedo of the dielectric lobe rises there, and leaves less.
+    #[inline(always)]
+    fn grazing_weight(&self, i: I) -> I::F32 {
+        let [most, f90, more] = self.dielectric;
+        let [a, b] = albedo::ggx_grazing(i, self.roughness);
+        let rise = most * a + f90 * b - more * (a + b);
+        -rise * self.per_left
     }
 
     /// Mean light of an environment over the GGX lobe.

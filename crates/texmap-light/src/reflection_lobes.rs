@@ -10,7 +10,7 @@ mod table;
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
-use crate::roughness_table::Place;
+use crate::roughness_table::TablePosition;
 
 /// Lobes of a surface, at most.
 const LOBES: usize = 4;
@@ -65,7 +65,7 @@ impl ReflectionLobes {
 #[inline(always)]
 pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> ReflectionLobesLanes<I> {
     let (zero, one) = (i.f32(0.0), i.f32(1.0));
-    let place = Place::new(i, roughness, cosine, [ROWS, COLUMNS]);
+    let position = TablePosition::new(i, roughness, cosine, [ROWS, COLUMNS]);
     let mut diffuse = one;
     let mut lobes = [ReflectionLobeLanes {
         lean: zero,
@@ -74,14 +74,14 @@ pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> Reflecti
     }; LOBES];
     for (k, lobe) in lobes.iter_mut().enumerate() {
         let words = match GatherTable::new(&table::LOBES[k]) {
-            Some(words) => place.read(i, words),
+            Some(words) => position.read(i, words),
             None => [i.u32(0); 4],
         };
-        let lean = field(&place, words, 0, 4095);
-        let factor = field(&place, words, 12, 1023);
+        let lean = field(&position, words, 0, 4095);
+        let factor = field(&position, words, 12, 1023);
         lobe.lean = lean * (2.5 / 4095.0) - 1.5;
         lobe.roughness = (factor * ((1.0 - LEAST_FACTOR) / 1023.0) + LEAST_FACTOR) * roughness;
-        lobe.weight = field(&place, words, 22, 1023) * (1.0 / 1023.0);
+        lobe.weight = field(&position, words, 22, 1023) * (1.0 / 1023.0);
         diffuse = diffuse - lobe.weight;
     }
     ReflectionLobesLanes { lobes, diffuse }
@@ -89,8 +89,13 @@ pub(crate) fn lobes<I: Isa>(i: I, roughness: I::F32, cosine: I::F32) -> Reflecti
 
 /// Bits of four words of the table, and the value between them.
 #[inline(always)]
-fn field<I: Isa>(place: &Place<I>, [p, q, r, s]: [I::U32; 4], shift: u32, mask: u32) -> I::F32 {
-    place.mean([
+fn field<I: Isa>(
+    position: &TablePosition<I>,
+    [p, q, r, s]: [I::U32; 4],
+    shift: u32,
+    mask: u32,
+) -> I::F32 {
+    position.mean([
         ((p >> shift) & mask).to_i32().to_f32(),
         ((q >> shift) & mask).to_i32().to_f32(),
         ((r >> shift) & mask).to_i32().to_f32(),

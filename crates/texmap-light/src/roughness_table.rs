@@ -3,8 +3,8 @@
 use texmap_math::lanes::GatherTable;
 use texmap_math::simd::{Isa, prelude::*};
 
-/// A place in a table whose rows are even steps of roughness and whose columns are even steps of the cosine's square root.
-pub(crate) struct Place<I: Isa> {
+/// A position in a table whose rows are even steps of roughness and whose columns are even steps of the cosine's square root.
+pub(crate) struct TablePosition<I: Isa> {
     /// The entry at or below it; one of the next column and one of the next row lie beside it.
     at: I::U32,
     columns: u32,
@@ -13,7 +13,7 @@ pub(crate) struct Place<I: Isa> {
     y: I::F32,
 }
 
-impl<I: Isa> Place<I> {
+impl<I: Isa> TablePosition<I> {
     /// Both arguments within 0 to 1.
     #[inline(always)]
     pub(crate) fn new(

@@ -103,7 +103,7 @@ impl Prefilter {
         let layout = EnvironmentLayout::Cube;
         let diffuse = match self.diffuse.take() {
             Some(made) => made,
-            None => self.diffuse(layout)?,
+            None => self.diffuse()?,
         };
         let [cosine, grazing] = &diffuse;
         let packed = Levels::new(cosine, &[Some(grazing)]);
@@ -189,10 +189,8 @@ impl Prefilter {
     }
 
     /// The light that diffuse surfaces receive: all of it, and that at grazing incidence.
-    pub(super) fn diffuse(
-        &mut self,
-        layout: EnvironmentLayout,
-    ) -> Result<[Environment; 2], LightError> {
+    fn diffuse(&mut self) -> Result<[Environment; 2], LightError> {
+        let layout = EnvironmentLayout::Cube;
         let grazing = self.gathered(layout, DIFFUSE_SIZE, DIFFUSE_SOURCE, Kernel::Grazing)?;
         Ok([self.cosine(layout, DIFFUSE_SIZE)?, grazing])
     }

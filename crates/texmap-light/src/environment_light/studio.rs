@@ -23,8 +23,8 @@ const fn texels(side: usize) -> usize {
 
 /// The grey texels of the room, f32 with the low byte first.
 static ROOM: &[u8; 4 * texels(64)] = include_bytes!("studio/room.f32");
-/// Those of the light of diffuse surfaces (all of it, and that at grazing incidence) and of the levels of roughness but the first, in the words of [`shared_exponent`]: nine bits
-/// of one channel and five of the exponent, the low byte first.
+/// Those of the light of diffuse surfaces (all of it, and that at grazing incidence) and of the levels of roughness but the first, in
+/// the words of [`shared_exponent`]: nine bits of one channel and five of the exponent, the low byte first.
 static GATHERED: &[u8; 2 * (4 * texels(64) + 5 * texels(32) + 4 * texels(16))] =
     include_bytes!("studio/gathered.u14");
 

@@ -440,7 +440,7 @@ fn spheres_in_the_studio_are_near_their_integral() {
             squares[usize::from(r)] += off(lanes.under_environment(Scalar, &room.light, 1.0));
             // As if as much light arrived at grazing incidence as elsewhere.
             let blind = ReflectanceLanes {
-                grazing: 0.0,
+                per_left: 0.0,
                 ..lanes
             };
             even_base[usize::from(r)] += off(blind.under_environment(Scalar, &room.light, 1.0));

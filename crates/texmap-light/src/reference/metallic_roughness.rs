@@ -115,6 +115,11 @@ fn power5(x: f64) -> f64 {
     square * square * x
 }
 
+/// Mean and variance of `(1 - c)^5` over a hemisphere, weighted by the cosine `c`.
+pub const GRAZING_MEAN: f64 = 1.0 / 21.0;
+/// See [`GRAZING_MEAN`].
+pub const GRAZING_VARIANCE: f64 = 1.0 / 66.0 - 1.0 / 441.0;
+
 /// A function of the cosine from its values at even steps of the cosine's square root.
 #[derive(Clone, Debug)]
 struct Curve<const N: usize>(Vec<[f64; N]>);
@@ -153,9 +158,7 @@ impl<const N: usize> Curve<N> {
 
     /// The slope by `(1 - c)^5` of least squares over a hemisphere, weighted by the cosine.
     fn slope(&self) -> [f64; N] {
-        // The mean of that power and its variance.
-        let (mean, variance) = (1.0 / 21.0, 1.0 / 66.0 - 1.0 / 441.0);
-        self.sum(|c| (power5(1.0 - c) - mean) / variance)
+        self.sum(|c| (power5(1.0 - c) - GRAZING_MEAN) / GRAZING_VARIANCE)
     }
 
     /// The integral over a hemisphere with a weight beside the cosine, over pi.
@@ -346,9 +349,9 @@ impl Reflectance {
         let diffuse = color * ((1.0 - metallic) * self.left(&base, [a, b]));
         let again = base.more * (1.0 - a - b);
         let once = base.f0 * a + DVec3::splat(base.f90 * b);
-        // What is left of light at grazing incidence, over what is left of even light.
+        // Light at grazing incidence that is left, over that of even light.
         let GgxAlbedo { average, slope, .. } = &self.base;
-        let grazing = [0, 1].map(|k| average[k] + slope[k] / 21.0);
+        let grazing = [0, 1].map(|k| average[k] + slope[k] * GRAZING_MEAN);
         let left = self.left(&base, *average);
         let part = (self.left(&base, grazing) - left) / left.max(MIN_SHARE.into());
         let arriving = light.irradiance + (light.grazing - light.irradiance) * part;
