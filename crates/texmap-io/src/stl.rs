@@ -61,9 +61,7 @@ pub(crate) fn read(
     };
     let mut model = Model {
         parts: vec![part],
-        materials: Vec::new(),
-        colored: false,
-        warnings: Vec::new(),
+        ..Model::default()
     };
     if request.textured {
         project(&mut model.parts[0]);

@@ -306,7 +306,7 @@ fn report(
             "warning: {} of {} triangles own no texel ({}): {advice}\n",
             atlas.lost.len(),
             faces.len(),
-            source.places(&lost),
+            source.locations(&lost),
         ));
     }
     say(&format!(

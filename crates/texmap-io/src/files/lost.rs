@@ -28,11 +28,11 @@ impl Lost {
         model: &Path,
         name: &str,
     ) -> Option<(String, bool)> {
-        let folder = model.parent().unwrap_or(Path::new(""));
-        let key = (folder.to_path_buf(), name.to_owned());
+        let key = key(model, name);
         if let Some(known) = self.known.get(&key) {
             return known.clone().map(|name| (name, false));
         }
+        let folder = key.0.as_path();
         let found = if files.exists(&files.beside(model, name)) {
             None
         } else {
@@ -44,6 +44,11 @@ impl Lost {
         };
         self.known.insert(key, found.clone());
         found.map(|name| (name, true))
+    }
+
+    /// The name that [`find`](Self::find) found before.
+    pub(crate) fn found(&self, model: &Path, name: &str) -> Option<&str> {
+        self.known.get(&key(model, name))?.as_deref()
     }
 
     /// The file of a relative name in a folder.
@@ -77,6 +82,12 @@ impl Lost {
             several => several.iter().find(|other| *other == name).cloned(),
         }
     }
+}
+
+/// The folder of a model, and a name in it.
+fn key(model: &Path, name: &str) -> (PathBuf, String) {
+    let folder = model.parent().unwrap_or(Path::new(""));
+    (folder.to_path_buf(), name.to_owned())
 }
 
 impl FileSource {

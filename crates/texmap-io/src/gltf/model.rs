@@ -27,8 +27,6 @@ pub(super) struct Model<'a> {
     pub(super) warnings: Vec<String>,
     warned: HashSet<String>,
     lost: Lost,
-    /// Names of files that are those of another machine, and the names that they have here.
-    renamed: HashMap<String, String>,
     /// Files beside it, in the order of their mention.
     pub(super) named: Vec<NamedFile>,
     /// Their numbers.
@@ -62,7 +60,6 @@ impl<'a> Model<'a> {
             warnings: Vec::new(),
             warned: HashSet::new(),
             lost: Lost::default(),
-            renamed: HashMap::new(),
             named: Vec::new(),
             named_at: HashMap::new(),
             tolerant,
@@ -123,7 +120,6 @@ impl<'a> Model<'a> {
             let path = self.files.beside(self.path, &name);
             let error = self.within(pointer, missing(&path, None));
             self.warn(format!("{error}: {} is read", shown(Path::new(&found))));
-            self.renamed.insert(name.clone(), found);
         }
         let path = self.beside(&name);
         match self.files.read(&path, MAX_TEXT) {
@@ -141,8 +137,8 @@ impl<'a> Model<'a> {
 
     /// A file that the model names, where it was found.
     pub(super) fn beside(&self, name: &str) -> PathBuf {
-        let name = self.renamed.get(name).map_or(name, String::as_str);
-        self.files.beside(self.path, name)
+        let found = self.lost.found(self.path, name);
+        self.files.beside(self.path, found.unwrap_or(name))
     }
 
     /// Notes a file beside the model.

@@ -23,22 +23,16 @@ pub(super) fn libraries(
     let mut materials = Vec::new();
     for (location, name) in &obj.libraries {
         // A name may hold blanks, and a line may hold several names.
-        let there = |textures: &Textures, name: &str| {
-            textures.source.exists(&textures.source.beside(path, name))
-        };
-        let names: Vec<String> = if there(textures, name) {
+        let names: Vec<String> = if textures.source.exists(&textures.source.beside(path, name)) {
             vec![name.clone()]
         } else if let Some(found) = textures.found(location, name, warnings) {
             vec![found]
         } else {
-            let names = name.split_whitespace();
-            names
-                .map(|name| {
-                    textures
-                        .found(location, name, warnings)
-                        .unwrap_or(name.into())
-                })
-                .collect()
+            let here = |name: &str| {
+                let found = textures.found(location, name, warnings);
+                found.unwrap_or_else(|| name.to_owned())
+            };
+            name.split_whitespace().map(here).collect()
         };
         for name in names {
             let library = textures.source.beside(path, &name);

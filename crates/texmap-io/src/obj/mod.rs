@@ -27,7 +27,7 @@ pub(crate) use read::{Corner, Face, Group, NONE, Obj};
 pub(crate) const UNNAMED: &str = "unnamed_object";
 
 /// A model as its files describe it, not yet dressed for a scene.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Model {
     pub(crate) parts: Vec<Part>,
     pub(crate) materials: Vec<Material>,

@@ -23,11 +23,11 @@ pub(super) fn text(model: &Model, normals: bool) -> String {
                 color.map(|c| c.map(f32::to_bits)),
             );
             let number = *known.entry(key).or_insert_with(|| {
-                line(&mut text, "v", position);
-                if let Some(color) = color {
-                    text.pop();
-                    line(&mut text, "", color);
-                }
+                line(
+                    &mut text,
+                    "v",
+                    position.iter().chain(color.into_iter().flatten()),
+                );
                 positions += 1;
                 positions
             });
@@ -56,7 +56,7 @@ pub(super) fn text(model: &Model, normals: bool) -> String {
 }
 
 /// A line of numbers, each as short as it is read back the same.
-fn line(text: &mut String, word: &str, numbers: &[f32]) {
+fn line<'a>(text: &mut String, word: &str, numbers: impl IntoIterator<Item = &'a f32>) {
     text.push_str(word);
     for c in numbers {
         let _ = write!(text, " {c}");
@@ -110,9 +110,7 @@ mod tests {
         };
         let mut model = Model {
             parts: vec![part],
-            materials: Vec::new(),
-            colored: false,
-            warnings: Vec::new(),
+            ..Model::default()
         };
         let points = "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.1 0.0000001 2\n";
         assert_eq!(text(&model, false), format!("{points}f 1 2 3 4\nf 1 2 5\n"));

@@ -205,7 +205,7 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     }
     let lost = unmapped(&mesh, &set).map_err(|e| source.fault(&e))?;
     if lost.fraction > 0.01 {
-        let first = lost.face.map(|face| source.place(face as usize));
+        let first = lost.face.map(|face| source.location(face as usize));
         say(&format!(
             "warning: {} % of the surface has no area in the picture ({} triangles, the first in {}): nothing can be drawn or baked there; give another --map, or a --frame that looks at it\n",
             digits(100.0 * lost.fraction),
@@ -218,7 +218,7 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
         say(&format!(
             "warning: {} faces enclose the axis of the shape and cannot be mapped right by their vertices ({}); divide them at the axis\n",
             around.len(),
-            source.places(&faces),
+            source.locations(&faces),
         ));
     }
     for line in written {

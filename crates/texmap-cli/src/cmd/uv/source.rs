@@ -30,16 +30,16 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The place of a face in messages: its line, or its number from 1.
-    pub(in crate::cmd) fn place(&self, face: usize) -> String {
+    /// The location of a face in messages: its line, or its number from 1.
+    pub(in crate::cmd) fn location(&self, face: usize) -> String {
         match self.obj.line(face) {
             Some(line) => format!("line {line}"),
             None => format!("face {}", face + 1),
         }
     }
 
-    /// The places of some faces in messages.
-    pub(in crate::cmd) fn places(&self, faces: &[usize]) -> String {
+    /// The locations of some faces in messages.
+    pub(in crate::cmd) fn locations(&self, faces: &[usize]) -> String {
         let lines = faces.iter().map(|face| self.obj.line(*face));
         let (kind, mut numbers): (_, Vec<usize>) = match lines.collect::<Option<Vec<_>>>() {
             Some(lines) => (
