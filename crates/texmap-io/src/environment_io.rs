@@ -40,7 +40,7 @@ pub(crate) fn read_named(
             expected: expected(chart),
         }),
     };
-    let image = image_io::decode(files, path, named_by, fits)?;
+    let image = image_io::decode(files, path, named_by, &fits)?;
     let (width, height) = (image.width(), image.height());
     // Three floats, and the copies with borders and mips that an environment keeps.
     image_io::ask_for_texels(files, path, named_by, (width, height), 12 + 22)?;

@@ -1,17 +1,17 @@
 //! Formats of the picture files that are written, and the layout of their pixels. The ending of a name chooses the format.
 
-use std::io::{self, Cursor, Write};
+use std::io::{self, Write};
 use std::ops::AddAssign;
 use std::path::Path;
 
 use image::codecs::hdr::HdrEncoder;
 use image::codecs::jpeg::JpegEncoder;
-use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use texmap_math::color;
 use texmap_sample::ColorSpace;
 
+use crate::open_exr::write_floats;
 use crate::{IoError, atomic};
 
 /// A format that pictures are written in.
@@ -242,33 +242,43 @@ fn shared_exponent(c: [f32; 3]) -> [f32; 3] {
 pub fn write_pixels(
     path: &Path,
     code: PixelCode,
-    (width, height): (u32, u32),
+    size: (u32, u32),
     rows: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), IoError> {
-    atomic::write(path, |out| {
-        let depth = match code {
-            PixelCode::Png8(_) => png::BitDepth::Eight,
-            PixelCode::Png16(_) => png::BitDepth::Sixteen,
-            _ => return write_whole(out, code, (width, height), rows),
-        };
-        let mut encoder = png::Encoder::new(out, width, height);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(depth);
-        encoder.set_compression(png::Compression::Fast);
-        encoder.set_filter(png::Filter::Paeth);
-        let mut writer = encoder.write_header()?;
-        let mut stream = writer.stream_writer()?;
-        rows(&mut stream)?;
-        stream.finish()?;
-        Ok(writer.finish()?)
-    })
+    let mut rows = Some(rows);
+    let mut once = |out: &mut dyn Write| rows.take().map_or(Ok(()), |rows| rows(out));
+    atomic::write(path, |out| encode(out, code, size, &mut once))
 }
 
-fn write_whole(
+/// The encoders are compiled once for all rows.
+fn encode(
     out: &mut dyn Write,
     code: PixelCode,
     (width, height): (u32, u32),
-    rows: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    rows: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let depth = match code {
+        PixelCode::Png8(_) => png::BitDepth::Eight,
+        PixelCode::Png16(_) => png::BitDepth::Sixteen,
+        _ => return encode_whole(out, code, (width, height), rows),
+    };
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(depth);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Paeth);
+    let mut writer = encoder.write_header()?;
+    let mut stream = writer.stream_writer()?;
+    rows(&mut stream)?;
+    stream.finish()?;
+    Ok(writer.finish()?)
+}
+
+fn encode_whole(
+    out: &mut dyn Write,
+    code: PixelCode,
+    (width, height): (u32, u32),
+    rows: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
     let mut pixels: Vec<u8> = Vec::new();
     rows(&mut pixels)?;
@@ -294,13 +304,7 @@ fn write_whole(
             WebPEncoder::new_lossless(out).write_image(&pixels, width, height, kind)
         }
         PictureFormat::Png | PictureFormat::Exr => {
-            // The encoder seeks.
-            let mut file = Cursor::new(Vec::new());
-            let encoder = OpenExrEncoder::new(&mut file);
-            let written = encoder.write_image(&pixels, width, height, kind);
-            return written
-                .map_err(io::Error::other)
-                .and_then(|()| out.write_all(file.get_ref()));
+            return write_floats(out, (width, height), &pixels, code.bytes() / 4);
         }
     };
     written.map_err(io::Error::other)

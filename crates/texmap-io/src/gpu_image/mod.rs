@@ -71,7 +71,7 @@ impl GpuFile<'_> {
     /// The image unpacked: 8 bits a channel, those of floats and of BC4 and BC5 more. `fits` is asked before anything is decoded.
     pub(crate) fn decode(
         &self,
-        fits: impl Fn((u32, u32)) -> Result<(), IoError>,
+        fits: &dyn Fn((u32, u32)) -> Result<(), IoError>,
     ) -> Result<DynamicImage, IoError> {
         let image = self.open(fits)?;
         let decoded = match &image.content {
@@ -92,7 +92,7 @@ impl GpuFile<'_> {
     pub(crate) fn texture(
         &self,
         color: ColorSpace,
-        fits: impl Fn((u32, u32)) -> Result<(), IoError>,
+        fits: &dyn Fn((u32, u32)) -> Result<(), IoError>,
     ) -> Result<Option<Texture2d<'static>>, IoError> {
         let image = self.open(fits)?;
         match &image.content {
@@ -105,7 +105,7 @@ impl GpuFile<'_> {
 
     fn open(
         &self,
-        fits: impl Fn((u32, u32)) -> Result<(), IoError>,
+        fits: &dyn Fn((u32, u32)) -> Result<(), IoError>,
     ) -> Result<GpuImage<'_>, IoError> {
         if let Some(size) = stated_size(self.bytes) {
             fits(size)?;

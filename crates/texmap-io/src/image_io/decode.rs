@@ -10,7 +10,8 @@ use super::{MAX_SIDE, MAX_TEXELS};
 use crate::files::{FileSource, MAX_TEXT, is_called};
 #[cfg(feature = "gpu-images")]
 use crate::gpu_image;
-use crate::{IoError, SourceLocation, exr_header};
+use crate::open_exr::ExrFile;
+use crate::{IoError, SourceLocation};
 
 pub(super) fn size_allowed(
     path: &Path,
@@ -53,7 +54,7 @@ pub(crate) fn decode(
     files: &FileSource,
     path: &Path,
     named_by: Option<&SourceLocation>,
-    fits: impl Fn((u32, u32)) -> Result<(), IoError>,
+    fits: &dyn Fn((u32, u32)) -> Result<(), IoError>,
 ) -> Result<DynamicImage, IoError> {
     let bytes = files.read_named(path, named_by, MAX_TEXT)?;
     decode_bytes(files, path, named_by, &bytes, fits)
@@ -64,7 +65,7 @@ pub(super) fn decode_bytes(
     path: &Path,
     named_by: Option<&SourceLocation>,
     bytes: &[u8],
-    fits: impl Fn((u32, u32)) -> Result<(), IoError>,
+    fits: &dyn Fn((u32, u32)) -> Result<(), IoError>,
 ) -> Result<DynamicImage, IoError> {
     let broken = |problem: String| IoError::BrokenImage {
         path: path.to_path_buf(),
@@ -94,6 +95,13 @@ pub(super) fn decode_bytes(
     if let Some(size) = header_size(bytes) {
         fits(size)?;
     }
+    if let Ok(file) = ExrFile::open(ImageSource::bytes(bytes)) {
+        let file = file.map_err(broken)?;
+        fits(file.size())?;
+        let texel = 4 * file.floats() as u64;
+        ask_for_texels(files, path, named_by, file.size(), texel)?;
+        return file.decode().map_err(broken);
+    }
     let mut reader = ImageReader::new(ImageSource::bytes(bytes))
         .with_guessed_format()
         .map_err(|e| broken(e.to_string()))?;
@@ -116,9 +124,6 @@ pub(super) fn decode_bytes(
         _ => (width, height),
     };
     fits(turned)?;
-    if let Some(problem) = exr_header::fault(bytes) {
-        return Err(broken(problem));
-    }
     // As it is decoded, and turned where it has to be.
     let kept = match orientation {
         Orientation::NoTransforms => 1,
@@ -152,7 +157,12 @@ pub(crate) fn stated_size(files: &FileSource, path: &Path) -> Option<(u32, u32)>
     if let Some(head) = gpu_image::head(files, path) {
         return gpu_image::stated_size(&head);
     }
-    let reader = ImageReader::new(ImageSource::opened(opened.file));
+    let source = ImageSource::opened(opened.file);
+    let source = match ExrFile::open(source) {
+        Ok(file) => return Some(file.ok()?.size()),
+        Err(source) => source,
+    };
+    let reader = ImageReader::new(source);
     reader.with_guessed_format().ok()?.into_dimensions().ok()
 }
 

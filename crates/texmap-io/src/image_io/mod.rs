@@ -64,7 +64,7 @@ pub const ENDINGS: &[&str] = &[
 /// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`], [`IoError::Memory`].
 pub fn read_image(path: &Path) -> Result<Rgba, IoError> {
     let files = FileSource::anywhere();
-    let image = decode(&files, path, None, |size| size_allowed(path, None, size))?;
+    let image = decode(&files, path, None, &|size| size_allowed(path, None, size))?;
     with_four_channels(&files, path, image)
 }
 
@@ -91,7 +91,7 @@ pub fn read_texture(path: &Path, color: ColorSpace) -> Result<(Texture2d<'static
     if let Some(texture) = block_texture(&files, path, None, color)? {
         return Ok((texture, 8));
     }
-    let decoded = decode(&files, path, None, |size| size_allowed(path, None, size))?;
+    let decoded = decode(&files, path, None, &|size| size_allowed(path, None, size))?;
     let (width, height) = (decoded.width(), decoded.height());
     let kept = |channels: u32, texels: Vec<u8>| {
         let origin = Origin::TopLeft;
@@ -134,7 +134,7 @@ pub(crate) fn block_texture(
         named_by,
         bytes: &bytes,
     };
-    file.texture(color, |size| size_allowed(path, named_by, size))
+    file.texture(color, &|size| size_allowed(path, named_by, size))
 }
 
 /// A texture of linear RGBA floats.
@@ -178,7 +178,7 @@ pub(crate) fn read_named(
     path: &Path,
     named_by: Option<&SourceLocation>,
 ) -> Result<Decoded, IoError> {
-    decode(files, path, named_by, |size| {
+    decode(files, path, named_by, &|size| {
         size_allowed(path, named_by, size)
     })
     .map(Decoded::new)
@@ -190,7 +190,7 @@ pub(crate) fn read_bytes(
     path: &Path,
     bytes: &[u8],
 ) -> Result<Decoded, IoError> {
-    decode_bytes(files, path, None, bytes, |size| {
+    decode_bytes(files, path, None, bytes, &|size| {
         size_allowed(path, None, size)
     })
     .map(Decoded::new)

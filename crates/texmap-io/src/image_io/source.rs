@@ -21,6 +21,11 @@ impl<'a> ImageSource<'a> {
     pub(crate) fn opened(input: Input) -> Self {
         Self::Opened(BufReader::new(input))
     }
+
+    /// True if the next bytes are these.
+    pub(crate) fn begins_with(&mut self, magic: &[u8]) -> bool {
+        self.fill_buf().is_ok_and(|bytes| bytes.starts_with(magic))
+    }
 }
 
 impl Read for ImageSource<'_> {

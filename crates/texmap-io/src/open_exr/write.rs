@@ -1,6 +1,6 @@
 //! OpenEXR pictures with arrays beside the colour: one part, a channel for each value.
 
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 use exr::prelude::{
@@ -21,6 +21,9 @@ pub struct ExrLayer<'a> {
     /// As many as pixels times channels. Whole numbers stay whole numbers.
     pub values: Values<'a>,
 }
+
+/// Names of the channels of a colour.
+const COLORS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// Names of the channels of a layer by their number; a single one is a depth.
 const NAMES: [&[&str]; 4] = [&["Z"], &["U", "V"], &["X", "Y", "Z"], &["R", "G", "B", "A"]];
@@ -46,11 +49,7 @@ pub fn write_exr(
             return Err(wrong("not the colours"));
         }
         let mut channels = Vec::new();
-        for (k, name) in ["R", "G", "B", "A"]
-            .into_iter()
-            .enumerate()
-            .take(3 + usize::from(alpha))
-        {
+        for (k, name) in COLORS.into_iter().enumerate().take(3 + usize::from(alpha)) {
             let values = colors.iter().map(|color| color[k]).collect();
             channels.push(AnyChannel::new(name, FlatSamples::F32(values)));
         }
@@ -71,19 +70,47 @@ pub fn write_exr(
                 channels.push(AnyChannel::new(name.as_str(), samples));
             }
         }
-        let layer = Layer::new(
-            (width as usize, height as usize),
-            LayerAttributes::default(),
-            Encoding::SMALL_LOSSLESS,
-            AnyChannels::sort(channels.into()),
-        );
-        // The encoder seeks.
-        let mut file = Cursor::new(Vec::new());
-        let image = Image::from_layer(layer);
-        let written = image.write().non_parallel().to_buffered(&mut file);
-        written.map_err(io::Error::other)?;
-        out.write_all(file.get_ref())
+        encode(out, (width, height), channels, Encoding::SMALL_LOSSLESS)
     })
+}
+
+/// Writes pixels of 3 or 4 floats, in the byte order of this machine, with the fast compression. `pixels` has the bytes of all pixels.
+pub(crate) fn write_floats(
+    out: &mut dyn Write,
+    size: (u32, u32),
+    pixels: &[u8],
+    channels: usize,
+) -> io::Result<()> {
+    let (values, _) = pixels.as_chunks::<4>();
+    let channel = |(k, name): (usize, &'static str)| {
+        let values = values.iter().skip(k).step_by(channels);
+        let values = values.map(|bytes| f32::from_ne_bytes(*bytes)).collect();
+        AnyChannel::new(name, FlatSamples::F32(values))
+    };
+    let channels = COLORS.into_iter().enumerate().take(channels);
+    let channels = channels.map(channel).collect();
+    encode(out, size, channels, Encoding::FAST_LOSSLESS)
+}
+
+/// The encoder is compiled once.
+fn encode(
+    out: &mut dyn Write,
+    (width, height): (u32, u32),
+    channels: Vec<AnyChannel<FlatSamples>>,
+    encoding: Encoding,
+) -> io::Result<()> {
+    let layer = Layer::new(
+        (width as usize, height as usize),
+        LayerAttributes::default(),
+        encoding,
+        AnyChannels::sort(channels.into()),
+    );
+    // The encoder seeks.
+    let mut file = Cursor::new(Vec::new());
+    let image = Image::from_layer(layer);
+    let written = image.write().non_parallel().to_buffered(&mut file);
+    written.map_err(io::Error::other)?;
+    out.write_all(file.get_ref())
 }
 
 #[cfg(test)]
