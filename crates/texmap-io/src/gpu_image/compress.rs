@@ -103,7 +103,7 @@ pub fn compress_texture(
         named_by: None,
         bytes: &bytes,
     };
-    let blocks = file.texture(compression.color, |_| Ok(()))?;
+    let blocks = file.texture(compression.color, &|_| Ok(()))?;
     blocks.ok_or_else(|| refused("no blocks".into()))
 }
 
