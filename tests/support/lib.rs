@@ -2,6 +2,7 @@
 
 #[cfg(unix)]
 pub mod attack;
+pub mod exr_files;
 pub mod golden;
 pub mod levels;
 

@@ -1,10 +1,11 @@
 //! `texmap env`, `texmap bake` and `texmap slice`.
 
-use image::{Rgb, RgbImage, RgbaImage};
+use image::{Rgb, RgbImage, Rgba, Rgba32FImage, RgbaImage};
 use texmap_io::npy::{self, Values};
 use texmap_math::color;
 
 use crate::program::Desk;
+use texmap_tests::exr_files;
 
 /// Largest and mean difference of two pictures, in codes.
 fn difference(a: &RgbaImage, b: &RgbaImage) -> (u8, f64) {
@@ -114,18 +115,17 @@ fn environments_are_refused_with_their_reason() {
 #[test]
 fn negative_light_is_kept_or_told() {
     let desk = Desk::new();
-    image::Rgb32FImage::from_fn(16, 8, |x, y| {
-        Rgb([if x < 4 { -0.5 } else { 2.0 }, 0.5, y as f32])
-    })
-    .save(desk.path("dark.exr"))
-    .unwrap();
+    let dark = Rgba32FImage::from_fn(16, 8, |x, y| {
+        Rgba([if x < 4 { -0.5 } else { 2.0 }, 0.5, y as f32, 1.0])
+    });
+    exr_files::write(&desk.path("dark.exr"), &dark).unwrap();
     let env = |out: &str| {
         desk.texmap(&format!("env dark.exr -o {out} --to lat-long --size 8"))
             .ok()
             .stderr
     };
     assert!(!env("same.exr").contains("warning"));
-    let same = image::open(desk.path("same.exr")).unwrap().into_rgb32f();
+    let same = exr_files::read(&desk.path("same.exr"));
     let red = |x, y| same.get_pixel(x, y).0[0];
     assert_eq!((red(1, 4), red(2, 4), red(8, 4)), (-0.5, -0.5, 2.0));
     assert!(
@@ -214,11 +214,14 @@ fn baked_light_is_live_light_in_every_format() {
             assert_eq!(told, clipped && format == "png", "{format} {power}");
         }
         // A format that bake does not write, but a scene reads: 16 bits of sRGB.
-        let light = image::open(desk.path("map.exr")).unwrap().into_rgb32f();
+        let light = exr_files::read(&desk.path("map.exr"));
         let code = |c: f32| (f64::from(color::linear_to_srgb(c)) * 65535.0 + 0.5) as u16;
-        image::ImageBuffer::from_fn(256, 256, |x, y| Rgb(light.get_pixel(x, y).0.map(code)))
-            .save(desk.path("wide.png"))
-            .unwrap();
+        image::ImageBuffer::from_fn(256, 256, |x, y| {
+            let [r, g, b, _] = light.get_pixel(x, y).0;
+            Rgb([r, g, b].map(code))
+        })
+        .save(desk.path("wide.png"))
+        .unwrap();
         for map in ["map.png", "wide.png", "map.hdr", "map.exr"] {
             let line = format!("lightmapuv floor.obj\nlightmap {map}");
             floor_under_a_lamp(&desk, kd, power, &line);

@@ -3,6 +3,7 @@
 use image::{Rgb, Rgb32FImage, RgbaImage};
 
 use crate::program::Desk;
+use texmap_tests::exr_files;
 
 const CUBE: &str = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
     f 5 6 7 8\nf 2 1 4 3\nf 6 2 3 7\nf 1 5 8 4\nf 8 7 3 4\nf 1 2 6 5\n";
@@ -208,7 +209,7 @@ fn a_prefiltered_environment_is_files_of_powers_of_two() {
     assert_eq!(shape(4), serde_json::json!([128, 128]));
     // Level 0 is the environment, the last its roughest mean: red toward +X in both, less so in the latter.
     let red = |name: &str| {
-        let picture = image::open(desk.path(name)).unwrap().into_rgb32f();
+        let picture = exr_files::read(&desk.path(name));
         let side = picture.width();
         picture.get_pixel(side / 2, side / 2).0[0]
     };

@@ -5,6 +5,7 @@ use texmap_io::npy;
 use texmap_math::color;
 
 use crate::program::Desk;
+use texmap_tests::exr_files;
 
 /// Seven by five opaque pixels, no two alike.
 fn photo(desk: &Desk) -> RgbImage {
@@ -347,7 +348,7 @@ fn light(desk: &Desk) -> image::Rgba32FImage {
             if x < 4 { 1.0 } else { 0.25 },
         ])
     });
-    light.save(desk.path("light.exr")).unwrap();
+    exr_files::write(&desk.path("light.exr"), &light).unwrap();
     light
 }
 
@@ -355,7 +356,7 @@ fn light(desk: &Desk) -> image::Rgba32FImage {
 fn floats_stay_floats_in_every_verb() {
     let desk = Desk::new();
     let light = light(&desk);
-    let picture = |name: &str| image::open(desk.path(name)).unwrap().into_rgba32f();
+    let picture = |name: &str| exr_files::read(&desk.path(name));
     for color in ["srgb", "raw"] {
         desk.texmap(&format!("warp light.exr -o same.exr --color {color}"))
             .ok();

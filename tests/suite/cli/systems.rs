@@ -4,6 +4,7 @@ use image::RgbaImage;
 use texmap_io::npy;
 
 use crate::program::Desk;
+use texmap_tests::exr_files;
 
 fn largest(a: &RgbaImage, b: &RgbaImage) -> u8 {
     assert_eq!(a.dimensions(), b.dimensions());
@@ -179,7 +180,7 @@ fn a_captured_room_is_mirrored() {
         .texmap("env --from-scene empty.scene --at 0,0,0 --size 64 -o room.exr")
         .ok();
     assert!(told.stderr.contains("seen from 0 0 0"), "{}", told.stderr);
-    let seen = image::open(desk.path("room.exr")).unwrap().into_rgb32f();
+    let seen = exr_files::read(&desk.path("room.exr"));
     assert_eq!(seen.dimensions(), (64, 6 * 64));
     let object = desk
         .texmap("env --from-scene room.scene --object ball --size 64 -o ball.exr")

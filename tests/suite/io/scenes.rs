@@ -323,9 +323,8 @@ fn float_maps_are_linear_light() {
         .with("m.mtl", "newmtl a\nmap_Kd light.exr\nmap_d light.exr\n")
         .with("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n");
     let light = [200.0, -0.5, 0.25, 1.0];
-    image::Rgba32FImage::from_pixel(4, 2, image::Rgba(light))
-        .save(files.path("light.exr"))
-        .unwrap();
+    let picture = image::Rgba32FImage::from_pixel(4, 2, image::Rgba(light));
+    texmap_tests::exr_files::write(&files.path("light.exr"), &picture).unwrap();
     image::Rgb32FImage::from_pixel(4, 2, image::Rgb([200.0, 3.0, 0.25]))
         .save(files.path("light.hdr"))
         .unwrap();

@@ -2,7 +2,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use image::DynamicImage;
 use tempfile::TempDir;
+use texmap_tests::exr_files;
 
 struct Folder(TempDir);
 
@@ -101,8 +103,15 @@ fn floats_are_compared_and_hashed_as_floats() {
     for ending in ["hdr", "exr"] {
         let [a, b] = [3.0_f32, 200.0].map(|value| {
             let path = folder.path(&format!("{value}.{ending}"));
-            let picture = image::Rgb32FImage::from_pixel(16, 12, image::Rgb([value; 3]));
-            picture.save(&path).unwrap();
+            let color = image::Rgba([value, value, value, 1.0]);
+            let picture = image::Rgba32FImage::from_pixel(16, 12, color);
+            match ending {
+                "exr" => exr_files::write(&path, &picture).unwrap(),
+                _ => DynamicImage::from(picture)
+                    .into_rgb32f()
+                    .save(&path)
+                    .unwrap(),
+            }
             path
         });
         let found = texmap(&["diff"], &[&a, &b]);
@@ -145,11 +154,10 @@ fn diff_tells_alpha_structure_and_holes_apart() {
     let folder = Folder::new();
     let picture = |name: &str, change: &dyn Fn(u32, u32) -> Option<[f32; 4]>| {
         let path = folder.path(name);
-        image::Rgba32FImage::from_fn(24, 16, |x, y| {
+        let picture = image::Rgba32FImage::from_fn(24, 16, |x, y| {
             image::Rgba(change(x, y).unwrap_or([x as f32 / 24.0, y as f32 / 16.0, 0.5, 1.0]))
-        })
-        .save(&path)
-        .unwrap();
+        });
+        exr_files::write(&path, &picture).unwrap();
         path
     };
     let json = |a: &Path, b: &Path| -> serde_json::Value {

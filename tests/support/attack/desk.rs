@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use texmap_io::npy;
 
+use crate::exr_files;
+
 /// Stands in `secret.txt` and must never stand in a message.
 pub(super) const SECRET: &str = "hunter2-s3cr3t";
 
@@ -177,7 +179,8 @@ impl Desk {
         save(rgb.save(desk.path("check.jpg")))?;
         let sky = image::Rgb32FImage::from_fn(8, 4, |x, y| image::Rgb([x as f32, y as f32, 1.0]));
         save(sky.save(desk.path("sky.hdr")))?;
-        save(sky.save(desk.path("sky.exr")))?;
+        let sky = image::DynamicImage::ImageRgb32F(sky).into_rgba32f();
+        exr_files::write(&desk.path("sky.exr"), &sky).map_err(io::Error::other)?;
         let values: Vec<f32> = (0..8).map(|i| i as f32 / 8.0).collect();
         let array = |name: &str, shape: &[usize]| {
             npy::write(&desk.path(name), shape, npy::Values::F32(&values)).map_err(io::Error::other)

@@ -179,15 +179,12 @@ impl Pixels {
         for line in block.lines(list) {
             let at = line.location;
             let row = at.position.1 as i64 + self.offset.1;
-            let rows = self.values.chunks_exact_mut(self.width * self.floats);
-            let Some(row) = usize::try_from(row)
-                .ok()
-                .and_then(|row| rows.skip(row).next())
-            else {
+            let mut rows = self.values.chunks_exact_mut(self.width * self.floats);
+            let Some(row) = usize::try_from(row).ok().and_then(|row| rows.nth(row)) else {
                 continue;
             };
             let left = at.position.0 as i64 + self.offset.0;
-            // Samples left of the window.
+            // Samples left of the window are cut off.
             let cut = usize::try_from(-left).unwrap_or(0);
             let first = usize::try_from(left).unwrap_or(0);
             let [r, g, b] = channels.colors;
@@ -198,28 +195,27 @@ impl Pixels {
                 }
                 let to = row.chunks_exact_mut(self.floats).skip(first);
                 let to = to.map(|pixel| &mut pixel[slot]);
-                match list.list[at.channel].sample_type {
-                    SampleType::F16 => {
-                        fill(to, line.value, cut, |b| f16::from_ne_bytes(b).to_f32())
-                    }
-                    SampleType::F32 => fill(to, line.value, cut, f32::from_ne_bytes),
-                    SampleType::U32 => fill(to, line.value, cut, |b| u32::from_ne_bytes(b) as f32),
-                }
+                let kind = list.list[at.channel].sample_type;
+                fill(to, line.value, cut, kind);
             }
         }
     }
 }
 
 /// Fills pixels with the samples of a line after the first `cut`.
-fn fill<'a, const BYTES: usize>(
-    to: impl Iterator<Item = &'a mut f32>,
-    samples: &[u8],
-    cut: usize,
-    value: impl Fn([u8; BYTES]) -> f32,
-) {
-    let (samples, _) = samples.as_chunks::<BYTES>();
-    for (to, sample) in to.zip(samples.iter().skip(cut)) {
-        *to = value(*sample);
+fn fill<'a>(to: impl Iterator<Item = &'a mut f32>, line: &[u8], cut: usize, kind: SampleType) {
+    let halves = line.as_chunks().0.iter().skip(cut);
+    let words = line.as_chunks().0.iter().skip(cut);
+    match kind {
+        SampleType::F16 => to
+            .zip(halves)
+            .for_each(|(to, b)| *to = f16::from_ne_bytes(*b).to_f32()),
+        SampleType::F32 => to
+            .zip(words)
+            .for_each(|(to, b)| *to = f32::from_ne_bytes(*b)),
+        SampleType::U32 => to
+            .zip(words)
+            .for_each(|(to, b)| *to = u32::from_ne_bytes(*b) as f32),
     }
 }
 
