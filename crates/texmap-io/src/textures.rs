@@ -357,7 +357,7 @@ fn with_levels(texture: Texture2d<'static>) -> Texture2d<'static> {
     }
 }
 
-fn named(missing: Missing) -> &'static str {
+pub(crate) fn named(missing: Missing) -> &'static str {
     match missing {
         Missing::Grey => "grey",
         Missing::Error | Missing::Checker => "a magenta and black checker",

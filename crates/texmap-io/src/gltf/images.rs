@@ -10,7 +10,7 @@ use super::model::Model;
 use super::uri;
 use crate::image_io::{self, Decoded};
 use crate::scene_file::Missing;
-use crate::textures::{Content, stand_in};
+use crate::textures::{Content, named, stand_in};
 use crate::{IoError, info::NamedFile};
 
 /// The use of the texels of a picture.
@@ -96,7 +96,7 @@ pub(super) fn textures(
     });
     let mut all = Vec::new();
     for ((image, bytes), (found, made)) in sources.iter().zip(read) {
-        note(model, *image, bytes, found)?;
+        note(model, *image, bytes, missing, found)?;
         all.extend(made);
     }
     all.sort_by_key(|(at, _)| *at);
@@ -118,19 +118,25 @@ fn source(model: &mut Model<'_>, image: usize, missing: Missing) -> Result<Bytes
     let stated = &model.document.images[image];
     let pointer = format!("/images/{image}");
     match (stated.uri.clone(), stated.buffer_view) {
-        (Some(uri), _) => match model.named_bytes(&format!("{pointer}/uri"), &uri) {
-            Ok(Some(bytes)) => Ok(Bytes::Own(bytes)),
-            Ok(None) => Ok(Bytes::Lost(format!(
-                "{}: cannot be read",
-                called(model, image).display()
-            ))),
-            Err(IoError::NamedByGltf { error, .. })
-                if missing != Missing::Error && matches!(*error, IoError::FileMissing { .. }) =>
-            {
-                Ok(Bytes::Lost(error.to_string()))
+        (Some(uri), _) => {
+            let lenient = model.tolerant || missing != Missing::Error;
+            if let Some(problem) = uri::address(&uri).filter(|_| lenient) {
+                return Ok(Bytes::Lost(problem));
             }
-            Err(error) => Err(error),
-        },
+            match model.named_bytes(&format!("{pointer}/uri"), &uri) {
+                Ok(Some(bytes)) => Ok(Bytes::Own(bytes)),
+                Ok(None) => Ok(Bytes::Lost(format!(
+                    "{}: cannot be read",
+                    called(model, image).display()
+                ))),
+                Err(IoError::NamedByGltf { error, .. })
+                    if lenient && matches!(*error, IoError::FileMissing { .. }) =>
+                {
+                    Ok(Bytes::Lost(error.to_string()))
+                }
+                Err(error) => Err(error),
+            }
+        }
         (None, Some(view)) => Ok(Bytes::View(view)),
         (None, None) => Err(model.broken(&pointer, "has neither a `uri` nor a `bufferView`")),
     }
@@ -155,11 +161,12 @@ fn decode(model: &Model<'_>, image: usize, bytes: &Bytes) -> Result<Option<Decod
         .map_err(|error| model.within(&pointer, error))
 }
 
-/// Notes the result of reading a picture: its size and bits, or `None` where a checker replaces it.
+/// Notes the result of reading a picture: its size and bits, or `None` where a stand-in replaces it.
 fn note(
     model: &mut Model<'_>,
     image: usize,
     bytes: &Bytes,
+    missing: Missing,
     found: Result<Option<Found>, IoError>,
 ) -> Result<(), IoError> {
     let path = called(model, image);
@@ -175,7 +182,7 @@ fn note(
         Err(error) => return Err(error),
     };
     if let Some(problem) = &problem {
-        model.warn(format!("{problem}: a magenta and black checker stands in"));
+        model.warn(format!("{problem}: {} stands in", named(missing)));
     }
     let file = NamedFile {
         path,

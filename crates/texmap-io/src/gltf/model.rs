@@ -118,8 +118,9 @@ impl<'a> Model<'a> {
         };
         if let Some((found, true)) = self.lost.find(&self.files, self.path, &name) {
             let path = self.files.beside(self.path, &name);
-            let error = self.within(pointer, missing(&path, None));
-            self.warn(format!("{error}: {} is read", shown(Path::new(&found))));
+            let error = missing(&path, None);
+            let found = shown(Path::new(&found));
+            self.warn(format!("{pointer}: {error}: {found} is read"));
         }
         let path = self.beside(&name);
         match self.files.read(&path, MAX_TEXT) {

@@ -27,19 +27,30 @@ pub(super) fn target(uri: &str) -> Result<Target, String> {
             .map(Target::Data)
             .map_err(|e| format!("data URI: {e}"));
     }
-    let scheme = uri.find(':').filter(|colon| !uri[..*colon].contains('/'));
-    if scheme.is_some() {
-        return Err(format!(
-            "`{}` is an address; only files beside the model are read",
-            shortened(uri)
-        ));
+    if let Some(problem) = address(uri) {
+        return Err(problem);
     }
+    let uri = uri.strip_prefix("file://").unwrap_or(uri);
     let name =
         decoded(uri).ok_or_else(|| format!("`{}` is not UTF-8 once decoded", shortened(uri)))?;
     match name.as_str() {
         "" => Err("an empty file name".into()),
         _ => Ok(Target::File(name)),
     }
+}
+
+/// The message about an address of another kind than files and data.
+pub(super) fn address(uri: &str) -> Option<String> {
+    // A scheme of one letter is a drive of another machine.
+    let colon = uri.find(':').filter(|colon| *colon > 1)?;
+    let scheme = &uri[..colon];
+    let read = matches!(scheme, "data" | "file") || scheme.contains(['/', '\\']);
+    (!read).then(|| {
+        format!(
+            "`{}` is an address; only files beside the model are read",
+            shortened(uri)
+        )
+    })
 }
 
 const LENIENT: GeneralPurpose = GeneralPurpose::new(
@@ -89,12 +100,17 @@ mod tests {
         assert_eq!(target("a%20b/%C3%A9.png"), file("a b/é.png"));
         assert_eq!(target("100%.png"), file("100%.png"));
         assert_eq!(target("a/b:c.png"), file("a/b:c.png"));
+        // Paths of other machines; that they may be read is another question.
+        assert_eq!(target("C:\\me\\a.png"), file("C:\\me\\a.png"));
+        assert_eq!(target("c:/me/a.png"), file("c:/me/a.png"));
+        assert_eq!(target("file:///C:/a%20b.png"), file("/C:/a b.png"));
         for bad in [
             "",
             "data:,abc",
             "data:text/plain;base64,A",
             "http://x/y.png",
-            "file:///etc/passwd",
+            "file://",
+            "blob:null/3",
             "%ff.png",
             "a%00b",
         ] {

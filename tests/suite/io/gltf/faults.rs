@@ -300,6 +300,20 @@ fn lost_and_broken_pictures() {
         "{:?}",
         scene.warnings
     );
+    // The path of a drive, and an address of the network.
+    let files = files
+        .with("c.gltf", textured.replace("a.png", r"C:\\art\\B.PNG"))
+        .with("d.gltf", textured.replace("a.png", "https://x/a.png"));
+    assert_eq!(files.load("c.gltf").unwrap().textures[0].width(), 3);
+    let error = files.load("d.gltf").unwrap_err();
+    assert_eq!(error.code(), "broken-gltf");
+    let scene = load(&files.path("d.gltf"), &lenient).expect("a stand-in");
+    assert_eq!(scene.textures[0].width(), 8);
+    let told = "`https://x/a.png` is an address; only files beside the model are read: a magenta";
+    let told = scene.warnings.iter().any(|w| w.starts_with(told));
+    assert!(told, "{:?}", scene.warnings);
+    let info = texmap_io::info(&files.path("d.gltf")).expect("a report");
+    assert_eq!(info.problems().count(), 1);
 }
 
 #[test]
