@@ -8,6 +8,7 @@ mod normals;
 mod not_drawn;
 mod parts;
 mod pieces;
+mod polygon;
 mod read;
 mod source;
 mod vertices;
@@ -17,7 +18,7 @@ use texmap_sample::UvTransform;
 
 pub use edit::ObjText;
 pub(crate) use materials::{decode_maps, material};
-pub(crate) use model::read;
+pub(crate) use model::{drawn_as_fan, read};
 pub(crate) use mtl::Description;
 pub(crate) use normals::unit;
 pub(crate) use parts::parts;
@@ -53,6 +54,8 @@ pub(crate) struct Part {
     pub(crate) faces: Vec<u32>,
     /// Faces without coordinates and the line of the first; theirs were projected.
     pub(crate) projected: Option<(u32, u32)>,
+    /// Corners and line of the first concave face that has too many for another cut than a fan.
+    pub(crate) uncut: Option<(u32, u32)>,
 }
 
 /// A material with its maps loaded.

@@ -81,7 +81,17 @@ fn report(path: &Path, obj: &Obj, parts: &[Part], warnings: &mut Vec<String>) {
                 shortened(&part.name)
             ));
         }
+        if let Some((corners, line)) = part.uncut {
+            warnings.push(format!("{}:{line}: {}", shown(path), drawn_as_fan(corners)));
+        }
     }
+}
+
+/// The warning of [`Part::uncut`].
+pub(crate) fn drawn_as_fan(corners: u32) -> String {
+    format!(
+        "a concave face of {corners} corners is drawn as a fan, beyond its outline; cut it into triangles"
+    )
 }
 
 /// Four corners with coordinates.

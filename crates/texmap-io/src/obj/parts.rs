@@ -8,6 +8,7 @@ use texmap_uv::{Origin, Projection, project};
 
 use super::mtl::Description;
 use super::normals::Normals;
+use super::polygon::Polygons;
 use super::read::{Corner, Face, NONE, Obj};
 use super::vertices::{Vertex, Vertices};
 use super::{Part, UNNAMED};
@@ -18,6 +19,7 @@ pub(crate) fn parts(obj: &Obj, descriptions: &[Description], textured: bool) -> 
         normals: Normals::of(obj),
         vertices: Vertices::new(obj.positions.len()),
         corners: &obj.corners,
+        polygons: Polygons::default(),
         bounds: None,
     };
     let sections = sections(obj, descriptions).into_iter();
@@ -88,6 +90,7 @@ struct Builder<'a> {
     vertices: Vertices,
     /// Of the faces that no part has yet.
     corners: &'a [Corner],
+    polygons: Polygons,
     /// Of the whole file, once a part has asked for them.
     bounds: Option<[[f32; 3]; 2]>,
 }
@@ -104,14 +107,14 @@ impl Builder<'_> {
         self.vertices.next_part();
         // Vertices whose coordinates are projected, and the normals of their faces.
         let (mut bare, mut towards) = (Vec::new(), Vec::new());
-        let (mut fan, mut points): (Vec<u32>, _) = (Vec::new(), Vec::new());
+        let (mut indices, mut points): (Vec<u32>, _) = (Vec::new(), Vec::new());
         for (face, number) in faces.iter().zip(first..) {
             let (own, rest) = self.corners.split_at(face.corners as usize);
             self.corners = rest;
             // Projection looks at the face, so its corners are not shared.
             let alone = uv && !face.has_uv;
             let area = (alone || face.smoothing == 0).then(|| obj.area_normal(own, &mut points));
-            fan.clear();
+            indices.clear();
             for &corner in own {
                 let normal = self.normals.at(face, corner, || {
                     area.unwrap_or_else(|| obj.area_normal(own, &mut Vec::new()))
@@ -127,11 +130,15 @@ impl Builder<'_> {
                     bare.push(index);
                     towards.push(area.as_vec3().to_array());
                 }
-                fan.push(index);
+                indices.push(index);
             }
-            for pair in fan[1..].windows(2) {
-                part.triangles.push([fan[0], pair[0], pair[1]]);
+            let points = own.iter().map(|c| obj.positions[c.vertex as usize]);
+            let within = self.polygons.cut(points, |triangle| {
+                part.triangles.push(triangle.map(|k| indices[k]));
                 part.faces.push(number);
+            });
+            if !within {
+                part.uncut.get_or_insert((face.corners, face.line));
             }
             if alone {
                 let (count, _) = part.projected.get_or_insert((0, face.line));
@@ -181,6 +188,22 @@ fn bounds(obj: &Obj) -> [[f32; 3]; 2] {
 #[cfg(test)]
 mod tests {
     use super::super::model::{SQUARE, read_text};
+
+    #[test]
+    fn a_concave_face_is_cut_within_its_outline() {
+        // The fan of the first corner would cover the notch at (1, 1).
+        let model =
+            read_text("v 1 0 0\nv 1 2 0\nv 0 1 0\nv -1 2 0\nv -1 0 0\nv 0 3 0\nf 2 3 4 5 1\n");
+        let part = &model.parts[0];
+        assert_eq!(part.faces, [0, 0, 0]);
+        let corner = |k: u32| part.positions[k as usize];
+        for triangle in &part.triangles {
+            let [x, y] =
+                [0, 1].map(|axis| triangle.iter().map(|k| corner(*k)[axis]).sum::<f32>() / 3.0);
+            assert!(y < 1.0 + x.abs(), "{triangle:?}");
+        }
+        assert_eq!(part.uncut, None);
+    }
 
     #[test]
     fn polygons_become_fans_with_the_numbers_of_their_faces() {

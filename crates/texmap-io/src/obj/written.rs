@@ -64,7 +64,7 @@ fn line<'a>(text: &mut String, word: &str, numbers: impl IntoIterator<Item = &'a
     text.push('\n');
 }
 
-/// The corners of each face, whose triangles are a fan.
+/// The corners of each face whose triangles are a fan; each triangle of others.
 fn polygons(part: &Part, mut face: impl FnMut(&[u32])) {
     let mut corners: Vec<u32> = Vec::new();
     let mut last = None;

@@ -100,6 +100,7 @@ fn parts(
             uvs: points.uvs,
             colors: points.colors,
             projected: None,
+            uncut: None,
         }]);
     }
     let used = polygons
@@ -145,6 +146,9 @@ fn parts(
                 "{}: {count} faces without texture coordinates; box projection stands in",
                 shown(path)
             ));
+        }
+        if let Some((corners, _)) = part.uncut {
+            warnings.push(format!("{}: {}", shown(path), obj::drawn_as_fan(corners)));
         }
     }
     Ok(parts)
