@@ -13,6 +13,8 @@ use crate::UvError;
 pub struct Faces {
     corners: Vec<u32>,
     starts: Vec<u32>,
+    /// Faces that are no fans, and three of their own corners for each triangle.
+    cuts: Vec<(usize, Vec<[u32; 3]>)>,
 }
 
 impl Default for Faces {
@@ -20,6 +22,7 @@ impl Default for Faces {
         Self {
             corners: Vec::new(),
             starts: vec![0],
+            cuts: Vec::new(),
         }
     }
 }
@@ -37,6 +40,7 @@ impl Faces {
         Self {
             corners: triangles.as_flattened().to_vec(),
             starts: (0..=triangles.len() as u32).map(|f| f * 3).collect(),
+            cuts: Vec::new(),
         }
     }
 
@@ -44,6 +48,21 @@ impl Faces {
     pub fn push(&mut self, corners: &[u32]) {
         self.corners.extend_from_slice(corners);
         self.starts.push(self.corners.len() as u32);
+    }
+
+    /// Appends a face of which the triangles are known, as a concave one needs it: each has three of its corners, by their number among them.
+    /// Two triangles less than corners are asked for; a face with more, with fewer, or with numbers beyond its corners is a fan.
+    pub fn push_cut(&mut self, corners: &[u32], triangles: &[[u32; 3]]) {
+        let fits = triangles.len() + 2 == corners.len()
+            && triangles
+                .as_flattened()
+                .iter()
+                .all(|k| (*k as usize) < corners.len());
+        let fan = |k: usize| [0, k as u32 + 1, k as u32 + 2];
+        if fits && !triangles.iter().enumerate().all(|(k, t)| *t == fan(k)) {
+            self.cuts.push((self.len(), triangles.to_vec()));
+        }
+        self.push(corners);
     }
 
     /// Number of faces.
@@ -76,23 +95,27 @@ impl Faces {
         &self.corners[self.range(face)]
     }
 
-    /// Every face as a fan around its first corner: the face, and the indices of three corners in
-    /// [`Faces::corners`].
+    /// The triangles of every face, those of [`Faces::push_cut`] or the fan around its first corner: the face, and the indices of three
+    /// corners in [`Faces::corners`].
     pub fn triangles(&self) -> impl Iterator<Item = (usize, [usize; 3])> + '_ {
-        (0..self.len()).flat_map(|f| {
-            let r = self.range(f);
-            (r.start + 1..r.end.saturating_sub(1)).map(move |k| (f, [r.start, k, k + 1]))
-        })
+        (0..self.len()).flat_map(|f| self.cut(f).map(move |corners| (f, corners)))
     }
 
-    /// The fan of one face of a checked mesh: the number of each triangle in [`Faces::triangles`] and its corners.
-    pub(crate) fn fan(&self, face: usize) -> impl Iterator<Item = (u32, [usize; 3])> + '_ {
-        let r = self.range(face);
+    /// The triangles of one face of a checked mesh: the number of each in [`Faces::triangles`] and its corners.
+    pub(crate) fn triangles_of(&self, face: usize) -> impl Iterator<Item = (u32, [usize; 3])> + '_ {
         // A face of n corners, three at least, has n - 2 triangles.
-        let first = r.start - 2 * face;
-        (r.start + 1..r.end - 1).map(move |k| {
-            let index = first + (k - r.start - 1);
-            (index as u32, [r.start, k, k + 1])
+        let first = self.range(face).start - 2 * face;
+        let numbers = first as u32..;
+        numbers.zip(self.cut(face))
+    }
+
+    fn cut(&self, face: usize) -> impl Iterator<Item = [usize; 3]> + '_ {
+        let range = self.range(face);
+        let known = self.cuts.binary_search_by_key(&face, |(face, _)| *face);
+        let known = known.ok().map(|at| self.cuts[at].1.as_slice());
+        (0..range.len().saturating_sub(2)).map(move |k| {
+            let own = known.map_or([0, k + 1, k + 2], |known| known[k].map(|c| c as usize));
+            own.map(|corner| range.start + corner)
         })
     }
 }
@@ -329,6 +352,52 @@ mod tests {
         for positions in [&positions[..], &odd] {
             let mesh = Mesh::new(positions, &faces).unwrap();
             assert_eq!(mesh.welded_by_sorting(), mesh.welded());
+        }
+    }
+
+    /// The letter L from its inner corner's neighbour on: the fan turns a triangle around, the triangles given do not.
+    #[test]
+    fn concave_faces_have_the_triangles_they_came_with() {
+        let ell = [
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+            [0.0, 0.0],
+            [2.0, 0.0],
+        ];
+        let positions = ell.map(|[x, y]: [f32; 2]| [x, y, 0.0]);
+        let set = crate::UvSet {
+            uvs: ell.map(|uv| uv.map(|c| c / 2.0)).to_vec(),
+            corners: (0..6).collect(),
+        };
+        let corners = [0, 1, 2, 3, 4, 5];
+        let good = [[1, 2, 3], [1, 3, 4], [0, 1, 4], [0, 4, 5]];
+        let look = |triangles: &[[u32; 3]]| {
+            let mut faces = Faces::from_triangles(&[[0, 1, 4]]);
+            faces.push_cut(&corners, triangles);
+            let mut all = set.clone();
+            all.corners.splice(0..0, [0, 1, 4]);
+            let mesh = Mesh::new(&positions, &faces).unwrap();
+            let options = crate::ReportOptions {
+                origin: crate::Origin::BottomLeft,
+                ..crate::ReportOptions::default()
+            };
+            let report = crate::report(&mesh, &all, &options).unwrap();
+            let cut: Vec<_> = faces.triangles().skip(1).collect();
+            (report.flipped, cut)
+        };
+        let (flipped, cut) = look(&good);
+        assert_eq!(flipped, 0);
+        assert_eq!(cut[1], (1, [4, 6, 7]));
+        let fan: Vec<_> = (1..5).map(|k| (1, [3, 3 + k, 4 + k])).collect();
+        for other in [
+            &good[..3],
+            &[[0, 1, 6]; 4],
+            &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]],
+        ] {
+            let (flipped, cut) = look(other);
+            assert_eq!((flipped, &cut), (1, &fan));
         }
     }
 }

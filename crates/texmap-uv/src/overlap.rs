@@ -61,7 +61,11 @@ pub fn overlaps(mesh: &Mesh<'_>, set: &UvSet) -> Result<Overlaps, UvError> {
     set.check(mesh)?;
     let faces = mesh.faces();
     let flats = parallel::collect_chunks(faces.len(), |range| {
-        let fans = range.flat_map(|f| faces.fan(f).map(move |(i, corners)| (f, i, corners)));
+        let fans = range.flat_map(|f| {
+            faces
+                .triangles_of(f)
+                .map(move |(i, corners)| (f, i, corners))
+        });
         fans.filter_map(|(f, i, corners)| Flat::new(set, f, i, corners))
             .collect()
     });

@@ -40,7 +40,7 @@ impl Default for ReportOptions {
     }
 }
 
-/// One triangle of the fan of a face.
+/// One triangle of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleReport {
     /// The face of the triangle.
@@ -139,7 +139,7 @@ pub fn report(mesh: &Mesh<'_>, set: &UvSet, options: &ReportOptions) -> Result<R
     let parts = parallel::map_chunks(faces.len(), |range| {
         let (mut areas, mut flats) = ([0.0; 2], Vec::with_capacity(range.len()));
         for face in range {
-            for (index, corners) in faces.fan(face) {
+            for (index, corners) in faces.triangles_of(face) {
                 let r = raw(mesh, set, corners, options);
                 areas[0] += r.space;
                 areas[1] += r.picture.abs();

@@ -43,7 +43,7 @@ pub fn unwrap(
         .flat_map(|(_, c)| c.map(|k| corners[k]))
         .collect();
     let polygons: Vec<u32> = triangles.iter().map(|(f, _)| *f as u32).collect();
-    // An edge of a fan triangle is an edge of the face only if its corners follow one another.
+    // An edge of a triangle is an edge of the face only if its corners follow one another.
     let seams: Vec<[bool; 3]> = triangles
         .iter()
         .map(|(_, c)| {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use texmap_uv::{Faces, UvSet};
 
+use super::polygon::Polygons;
 use super::read::{NONE, Obj, Spans};
 use super::source::Span;
 use super::{Model, pieces, written};
@@ -57,13 +58,19 @@ impl ObjText {
         let mut spans = Spans::default();
         let obj = pieces::read(path, &text, Some(&mut spans))?.join();
         let (mut faces, mut corners) = (Faces::new(), obj.corners.as_slice());
-        let mut vertices = Vec::new();
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        let mut polygons = Polygons::default();
         for face in &obj.faces {
             let (own, rest) = corners.split_at(face.corners as usize);
             corners = rest;
             vertices.clear();
             vertices.extend(own.iter().map(|c| c.vertex));
-            faces.push(&vertices);
+            triangles.clear();
+            let points = own.iter().map(|c| obj.positions[c.vertex as usize]);
+            polygons.cut(points, |triangle| {
+                triangles.push(triangle.map(|k| k as u32));
+            });
+            faces.push_cut(&vertices, &triangles);
         }
         Ok(Self {
             text,

@@ -186,7 +186,7 @@ mod tests {
     fn combs_of_many_teeth_are_cut_until_that_takes_long() {
         const TEETH: usize = MOST_CORNERS - 2;
         let tooth = |k: usize| {
-            let y = if k % 2 == 0 { 1.0 } else { 0.1 };
+            let y = if k.is_multiple_of(2) { 1.0 } else { 0.1 };
             [k as f32, y, 0.0]
         };
         let mut comb: Vec<_> = (0..TEETH).map(tooth).collect();

@@ -20,7 +20,7 @@ pub(super) fn each_triangle(
     let parts = parallel::map_chunks(faces.len(), |range| {
         let (mut triangles, mut sums) = (Vec::with_capacity(range.len()), Sums::NONE);
         for face in range {
-            for (_, corners) in faces.fan(face) {
+            for (_, corners) in faces.triangles_of(face) {
                 let r = raw(mesh, set, corners, options);
                 let uv = corners.map(|k| set.at(k));
                 let triangle = TriangleReport {

@@ -28,7 +28,8 @@ pub fn unmapped(mesh: &Mesh<'_>, set: &UvSet) -> Result<Unmapped, UvError> {
     let faces = mesh.faces();
     let options = ReportOptions::default();
     let areas = parallel::collect_chunks(faces.len(), |range| {
-        let triangles = range.flat_map(|f| faces.fan(f).map(move |(_, corners)| (f, corners)));
+        let triangles =
+            range.flat_map(|f| faces.triangles_of(f).map(move |(_, corners)| (f, corners)));
         let areas = triangles.map(|(f, corners)| {
             let r = raw(mesh, set, corners, &options);
             (f as u32, r.space, r.picture.abs())
