@@ -17,7 +17,7 @@ pub(super) struct Polygons {
 
 impl Polygons {
     /// Gives `triangle` the numbers of the corners of each triangle, with the orientation of the polygon. A polygon that crosses itself is
-    /// covered in some way.
+    /// a fan.
     ///
     /// A fan has two triangles less than the polygon has corners. Ears may be fewer, where corners lie on one line. False says that a
     /// polygon of more than [`MOST_CORNERS`] corners is a fan although that leaves it.
@@ -33,8 +33,9 @@ impl Polygons {
                 .extend(corners.map(|point| DVec3::from(point.map(f64::from))));
             match normal_where_fans_fail(&self.points) {
                 Some(normal) if count <= MOST_CORNERS => {
-                    self.ears(normal, triangle);
-                    return true;
+                    if self.ears(normal, &mut triangle) {
+                        return true;
+                    }
                 }
                 Some(_) => within = false,
                 None => {}
@@ -46,7 +47,8 @@ impl Polygons {
         within
     }
 
-    fn ears(&mut self, normal: DVec3, mut triangle: impl FnMut([usize; 3])) {
+    /// False for a polygon that crosses itself: its ears do not have its area.
+    fn ears(&mut self, normal: DVec3, triangle: &mut impl FnMut([usize; 3])) -> bool {
         let first = self.points[0];
         let flat = self.points.iter().map(|point| {
             let point = along(normal, *point - first);
@@ -55,14 +57,25 @@ impl Polygons {
         self.flat.clear();
         self.flat.extend(flat);
         self.ears.earcut_slice(&self.flat, &[], &mut self.indices);
-        for ear in self.indices.as_chunks().0 {
+        let ears = self.indices.as_chunks().0;
+        let area = |ear: &[u32; 3]| {
+            let [p, q, r] = ear.map(|k| DVec2::from(self.flat[k as usize]));
+            (q - p).perp_dot(r - p)
+        };
+        let covered: f64 = ears.iter().map(|ear| area(ear).abs()).sum();
+        // Twice the area of the outline as it is seen against that axis.
+        let whole = normal.abs().max_element();
+        if !((covered - whole).abs() <= 1e-6 * whole) || whole == 0.0 {
+            return false;
+        }
+        for ear in ears {
             let [a, b, c] = ear.map(|k| k as usize);
-            let [p, q, r] = [a, b, c].map(|k| DVec2::from(self.flat[k]));
-            triangle(match (q - p).perp_dot(r - p) < 0.0 {
+            triangle(match area(ear) < 0.0 {
                 true => [a, c, b],
                 false => [a, b, c],
             });
         }
+        true
     }
 }
 
@@ -180,6 +193,27 @@ mod tests {
         ] {
             assert_eq!(cut(&polygon), fan(4));
         }
+    }
+
+    #[test]
+    fn polygons_that_cross_themselves_are_fans() {
+        let fan = [[0, 1, 2], [0, 2, 3], [0, 3, 4]];
+        // A star of one stroke, and one through a corner twice.
+        let star = |k: usize| {
+            let (sin, cos) = (k as f32 * 2.0 * std::f32::consts::TAU / 5.0).sin_cos();
+            [cos, sin, 0.0]
+        };
+        assert_eq!(cut(&[0, 1, 2, 3, 4].map(star)), fan);
+        let twice = [
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0; 3],
+            [0.0, 1.0, 0.0],
+            [1.0, 2.0, 0.0],
+        ];
+        assert_eq!(cut(&twice).len(), 3);
+        let tie = [[0.0; 3], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        assert_eq!(cut(&tie), fan[..2]);
     }
 
     #[test]
