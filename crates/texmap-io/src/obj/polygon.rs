@@ -31,14 +31,12 @@ impl Polygons {
             self.points.clear();
             self.points
                 .extend(corners.map(|point| DVec3::from(point.map(f64::from))));
-            match normal_where_fans_fail(&self.points) {
-                Some(normal) if count <= MOST_CORNERS => {
-                    if self.ears(normal, &mut triangle) {
-                        return true;
-                    }
+            if let Some(normal) = normal_where_fans_fail(&self.points) {
+                if count > MOST_CORNERS {
+                    within = false;
+                } else if self.ears(normal, &mut triangle) {
+                    return true;
                 }
-                Some(_) => within = false,
-                None => {}
             }
         }
         for k in 2..count {
