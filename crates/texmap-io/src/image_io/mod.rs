@@ -57,8 +57,8 @@ pub const ENDINGS: &[&str] = &[
 /// TGA, which only its name tells).
 ///
 /// Grey images become RGB, images without alpha opaque. The transparent index of a GIF becomes alpha 0; of an animated
-/// GIF or WebP the first picture is taken; of an EXR the first layer with red, green and blue. Pictures are turned as their Exif
-/// orientation says; embedded colour profiles are not applied.
+/// GIF or WebP the first picture is taken; of an EXR the first part with red, green and blue (of a layer, if need be) or with
+/// luminance. Pictures are turned as their Exif orientation says; embedded colour profiles are not applied.
 ///
 /// # Errors
 /// File errors, [`IoError::BrokenImage`], [`IoError::ImageSize`], [`IoError::Memory`].
