@@ -11,7 +11,7 @@ use texmap_math::parallel;
 use crate::models::Request;
 use crate::obj::{Model, Part, UNNAMED, unit};
 use crate::textures::Textures;
-use crate::{IoError, SourceLocation, shortened};
+use crate::{IoError, SourceLocation, shortened, shown};
 
 /// Bytes before the triangles of a binary file, with their number.
 const HEAD: usize = 84;
@@ -32,7 +32,8 @@ pub(crate) fn read(
     textures
         .source
         .ask(2 * length as u64, what, "split the file", named_by)?;
-    let corners = match is_binary(&bytes) {
+    let binary_file = is_binary(&bytes);
+    let corners = match binary_file {
         true => binary(path, &bytes)?,
         false => ascii(path, &bytes)?,
     };
@@ -63,6 +64,13 @@ pub(crate) fn read(
         parts: vec![part],
         ..Model::default()
     };
+    let rest = length.saturating_sub(HEAD + TRIANGLE * count as usize);
+    if binary_file && rest > 0 {
+        model.warnings.push(format!(
+            "{}: {rest} bytes after the {count} triangles that it states are not read",
+            shown(path)
+        ));
+    }
     if request.textured {
         project(&mut model.parts[0]);
     }

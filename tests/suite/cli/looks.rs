@@ -118,6 +118,17 @@ fn lost_maps_and_libraries_have_stand_ins() {
     assert!(!desk.picture("a.png").pixels().any(magenta));
     assert_eq!(draw("--missing error").code, 4);
     assert_eq!(draw("--strict").code, 4);
+    // Warnings that begin with the model name it once.
+    desk.put("line.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
+    let line = "line.obj: 1 lines and points are not drawn";
+    let run = desk
+        .texmap("render line.obj --resolution 32x24 -o b.png")
+        .ok();
+    assert!(
+        run.stderr.starts_with(&format!("warning: {line}")),
+        "{}",
+        run.stderr
+    );
     // A scene's own word counts unless the command line has one.
     desk.put("soft.scene", "missing checker\nobj lost.obj\neye 0 0 5\n");
     desk.put("hard.scene", "obj lost.obj\neye 0 0 5\n");

@@ -30,11 +30,12 @@ fn bytes(head: &[u8]) -> Vec<u8> {
 #[test]
 fn text_and_bytes_are_one_model_of_flat_triangles() {
     let trailing = [&bytes(b"made by hand\0")[..], b"more"].concat();
-    for file in [
-        TEXT.into(),
-        bytes(b"binary"),
-        bytes(b"solid x facet"),
-        trailing,
+    let rest = ": 4 bytes after the 2 triangles that it states are not read";
+    for (file, warning) in [
+        (TEXT.into(), None),
+        (bytes(b"binary"), None),
+        (bytes(b"solid x facet"), None),
+        (trailing, Some(rest)),
     ] {
         let scene = Files::new().with("a.STL", file).load("a.STL").unwrap();
         let mesh = &scene.meshes[0];
@@ -44,6 +45,11 @@ fn text_and_bytes_are_one_model_of_flat_triangles() {
         assert_eq!(mesh.normals[..3], [[0.0, 0.0, 1.0]; 3]);
         assert_eq!(mesh.normals[3..], [[-1.0, 0.0, 0.0]; 3]);
         assert!(mesh.uvs.is_empty());
+        let warned = scene
+            .warnings
+            .iter()
+            .map(|w| w.split_once(".STL").unwrap().1);
+        assert!(warned.eq(warning), "{:?}", scene.warnings);
     }
 }
 

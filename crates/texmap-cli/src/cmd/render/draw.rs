@@ -292,10 +292,7 @@ impl Context<'_> {
             if !self.told.borrow_mut().insert(warning.clone()) {
                 continue;
             }
-            say(&format!(
-                "warning: {}: {warning}\n",
-                self.item.input.display()
-            ));
+            say(&format!("warning: {}\n", self.named(warning)));
         }
         let scene = report
             .scene

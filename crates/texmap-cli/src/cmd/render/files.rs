@@ -235,7 +235,7 @@ impl Context<'_> {
             Some(warning) => Err(Failure::new(
                 Exit::Input,
                 "strict",
-                format!("{}: {warning}", self.item.input.display()),
+                self.named(warning),
                 format!(
                     "{} in all; without --strict warnings stop nothing",
                     match warnings.len() {
@@ -244,6 +244,16 @@ impl Context<'_> {
                     }
                 ),
             )),
+        }
+    }
+
+    /// A warning with the input that it is about, which those about its lines name themselves.
+    pub(super) fn named(&self, warning: &str) -> String {
+        let input = self.item.input.display().to_string();
+        let rest = warning.strip_prefix(&input);
+        match rest.is_some_and(|rest| rest.starts_with(':')) {
+            true => warning.to_owned(),
+            false => format!("{input}: {warning}"),
         }
     }
 
