@@ -16,12 +16,18 @@ pub fn write(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), IoError> {
-    let mut write = Some(write);
-    let mut once = |out: &mut dyn Write| write.take().map_or(Ok(()), |write| write(out));
-    try_write(path, &mut once).map_err(|source| IoError::Write {
+    try_write(path, &mut once(write)).map_err(|source| IoError::Write {
         path: path.to_path_buf(),
         source,
     })
+}
+
+/// A function that can be called by pointer, the first time with effect.
+pub(crate) fn once(
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> impl FnMut(&mut dyn Write) -> io::Result<()> {
+    let mut write = Some(write);
+    move |out| write.take().map_or(Ok(()), |write| write(out))
 }
 
 /// Compiled once for all that is written.

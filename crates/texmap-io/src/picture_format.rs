@@ -245,9 +245,7 @@ pub fn write_pixels(
     size: (u32, u32),
     rows: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), IoError> {
-    let mut rows = Some(rows);
-    let mut once = |out: &mut dyn Write| rows.take().map_or(Ok(()), |rows| rows(out));
-    atomic::write(path, |out| encode(out, code, size, &mut once))
+    atomic::write(path, |out| encode(out, code, size, &mut atomic::once(rows)))
 }
 
 /// The encoders are compiled once for all rows.

@@ -100,7 +100,7 @@ mod tests {
         assert_eq!(target("a%20b/%C3%A9.png"), file("a b/é.png"));
         assert_eq!(target("100%.png"), file("100%.png"));
         assert_eq!(target("a/b:c.png"), file("a/b:c.png"));
-        // Paths of other machines; that they may be read is another question.
+        // Paths of other machines. The source of files refuses those outside of its root.
         assert_eq!(target("C:\\me\\a.png"), file("C:\\me\\a.png"));
         assert_eq!(target("c:/me/a.png"), file("c:/me/a.png"));
         assert_eq!(target("file:///C:/a%20b.png"), file("/C:/a b.png"));

@@ -10,7 +10,7 @@ use super::{MAX_SIDE, MAX_TEXELS};
 use crate::files::{FileSource, MAX_TEXT, is_called};
 #[cfg(feature = "gpu-images")]
 use crate::gpu_image;
-use crate::open_exr::ExrFile;
+use crate::open_exr::{self, ExrFile};
 use crate::{IoError, SourceLocation};
 
 pub(super) fn size_allowed(
@@ -95,8 +95,8 @@ pub(super) fn decode_bytes(
     if let Some(size) = header_size(bytes) {
         fits(size)?;
     }
-    if let Ok(file) = ExrFile::open(ImageSource::bytes(bytes)) {
-        let file = file.map_err(broken)?;
+    if bytes.starts_with(open_exr::MAGIC) {
+        let file = ExrFile::open(ImageSource::bytes(bytes)).map_err(broken)?;
         fits(file.size())?;
         let texel = 4 * file.floats() as u64;
         ask_for_texels(files, path, named_by, file.size(), texel)?;
@@ -157,11 +157,10 @@ pub(crate) fn stated_size(files: &FileSource, path: &Path) -> Option<(u32, u32)>
     if let Some(head) = gpu_image::head(files, path) {
         return gpu_image::stated_size(&head);
     }
-    let source = ImageSource::opened(opened.file);
-    let source = match ExrFile::open(source) {
-        Ok(file) => return Some(file.ok()?.size()),
-        Err(source) => source,
-    };
+    let mut source = ImageSource::opened(opened.file);
+    if source.begins_with(open_exr::MAGIC) {
+        return Some(ExrFile::open(source).ok()?.size());
+    }
     let reader = ImageReader::new(source);
     reader.with_guessed_format().ok()?.into_dimensions().ok()
 }

@@ -192,12 +192,14 @@ impl Obj {
 
 /// Sum of the cross products of the fan: twice the area, along the normal.
 fn area_normal(polygon: &[DVec3]) -> DVec3 {
-    let Some((&first, rest)) = polygon.split_first() else {
-        return DVec3::ZERO;
-    };
+    fan_areas(polygon).sum()
+}
+
+/// The cross product of each triangle of the fan.
+pub(super) fn fan_areas(polygon: &[DVec3]) -> impl Iterator<Item = DVec3> {
+    let (first, rest) = polygon.split_first().unwrap_or((&DVec3::ZERO, &[]));
     rest.windows(2)
-        .map(|pair| (pair[0] - first).cross(pair[1] - first))
-        .sum()
+        .map(|pair| (pair[0] - *first).cross(pair[1] - *first))
 }
 
 /// `v` scaled to length 1, unless it has none; scaled by its largest part first, so that squares neither overflow

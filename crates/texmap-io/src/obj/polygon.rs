@@ -3,6 +3,8 @@
 use earcut::Earcut;
 use texmap_math::glam::{DVec2, DVec3};
 
+use super::normals::fan_areas;
+
 /// Ears take time in the square of the corners of some polygons: 0.15 s for as many as this.
 const MOST_CORNERS: usize = 1 << 14;
 
@@ -92,14 +94,10 @@ fn along(normal: DVec3, v: DVec3) -> DVec2 {
 
 /// The normal of a polygon of which some triangle of the fan is turned around: it has a corner that bends inwards.
 fn normal_where_fans_fail(polygon: &[DVec3]) -> Option<DVec3> {
-    let areas = || {
-        let sides = polygon[1..].windows(2);
-        sides.map(|pair| (pair[0] - polygon[0]).cross(pair[1] - polygon[0]))
-    };
-    let normal: DVec3 = areas().sum();
+    let normal: DVec3 = fan_areas(polygon).sum();
     // Corners on one line, to the precision of their numbers, turn nothing around.
     let noise = -1e-9 * normal.length_squared();
-    areas()
+    fan_areas(polygon)
         .any(|area| area.dot(normal) < noise)
         .then_some(normal)
 }

@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn windows_beyond_the_picture_are_refused_before_they_are_allocated() {
         let mut bytes = picture();
-        let opened = |bytes: &[u8]| ExrFile::open(ImageSource::bytes(bytes)).unwrap().err();
+        let opened = |bytes: &[u8]| ExrFile::open(ImageSource::bytes(bytes)).err();
         assert_eq!(opened(&bytes), None);
         let name = b"dataWindow\0box2i\0\x10\0\0\0";
         let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len();

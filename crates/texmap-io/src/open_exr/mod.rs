@@ -4,6 +4,6 @@ mod header;
 mod read;
 mod write;
 
-pub(crate) use read::ExrFile;
+pub(crate) use read::{ExrFile, MAGIC};
 pub(crate) use write::write_floats;
 pub use write::{ExrLayer, write_exr};

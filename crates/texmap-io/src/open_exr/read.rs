@@ -5,17 +5,17 @@ use exr::block::{UncompressedBlock, chunk::Chunk};
 use exr::meta::attribute::{ChannelList, SampleType};
 use exr::meta::header::Header;
 use exr::prelude::f16;
-use image::{DynamicImage, ImageBuffer};
+use image::{DynamicImage, Rgb32FImage, Rgba32FImage};
 use texmap_math::parallel;
 
 use super::header::fault;
 use crate::image_io::ImageSource;
 
 /// The first bytes of every OpenEXR file.
-const MAGIC: &[u8] = b"\x76\x2f\x31\x01";
+pub(crate) const MAGIC: &[u8] = b"\x76\x2f\x31\x01";
 
-/// Blocks that are decompressed side by side: as many are held.
-const BLOCKS_AT_ONCE: usize = 64;
+/// Bytes of the blocks that are decompressed side by side, as long as one alone does not have more: as many are held.
+const BYTES_AT_ONCE: usize = 16 << 20;
 
 /// A file of which the headers are read.
 pub(crate) struct ExrFile<'a> {
@@ -32,20 +32,11 @@ struct Channels {
 }
 
 impl<'a> ExrFile<'a> {
-    /// The outer error is the source of a file of another kind.
+    /// Reads the headers of a file that begins with [`MAGIC`].
     ///
     /// # Errors
-    /// The inner one says why a file cannot be read: a broken header, sizes beyond all pictures, no colours.
-    pub(crate) fn open(
-        mut source: ImageSource<'a>,
-    ) -> Result<Result<Self, String>, ImageSource<'a>> {
-        match source.begins_with(MAGIC) {
-            true => Ok(Self::with_headers(source)),
-            false => Err(source),
-        }
-    }
-
-    fn with_headers(source: ImageSource<'a>) -> Result<Self, String> {
+    /// Says why a file cannot be read: a broken header, sizes beyond all pictures, no colours.
+    pub(crate) fn open(source: ImageSource<'a>) -> Result<Self, String> {
         let reader = exr::block::read(source, false).map_err(|e| e.to_string())?;
         let headers = reader.headers();
         if let Some(problem) = headers.iter().find_map(fault) {
@@ -101,6 +92,8 @@ impl<'a> ExrFile<'a> {
         };
         let part = self.part;
         let list = self.header().channels.clone();
+        let block = self.header().max_block_byte_size().max(1);
+        let at_once = (BYTES_AT_ONCE / block).clamp(1, 64);
         let chunks = self
             .reader
             .filter_chunks(false, |_, _, block| {
@@ -110,10 +103,7 @@ impl<'a> ExrFile<'a> {
         let meta = chunks.meta_data().clone();
         let mut chunks = chunks.map(|chunk| chunk.map_err(|e| e.to_string()));
         loop {
-            let batch: Vec<Chunk> = chunks
-                .by_ref()
-                .take(BLOCKS_AT_ONCE)
-                .collect::<Result<_, _>>()?;
+            let batch: Vec<Chunk> = chunks.by_ref().take(at_once).collect::<Result<_, _>>()?;
             if batch.is_empty() {
                 break;
             }
@@ -124,14 +114,11 @@ impl<'a> ExrFile<'a> {
                 pixels.take(&block?, &list, &self.channels);
             }
         }
-        let missing = "a size of zero".to_owned();
-        if self.channels.alpha.is_some() {
-            let image = ImageBuffer::from_raw(width, height, pixels.values);
-            image.map(DynamicImage::ImageRgba32F).ok_or(missing)
-        } else {
-            let image = ImageBuffer::from_raw(width, height, pixels.values);
-            image.map(DynamicImage::ImageRgb32F).ok_or(missing)
-        }
+        let image = match self.channels.alpha {
+            Some(_) => Rgba32FImage::from_raw(width, height, pixels.values).map(Into::into),
+            None => Rgb32FImage::from_raw(width, height, pixels.values).map(Into::into),
+        };
+        image.ok_or_else(|| "a size of zero".to_owned())
     }
 }
 
@@ -233,7 +220,7 @@ fn no_colours(headers: &[Header]) -> String {
     let names = names.join(", ");
     if sampled {
         format!(
-            "its channels ({names}) have less pixels than the picture; write R, G and B of full size"
+            "its channels ({names}) have fewer pixels than the picture; write R, G and B of full size"
         )
     } else {
         format!("it has no channels R, G and B, and no Y, but {names}")
@@ -276,7 +263,7 @@ mod tests {
     }
 
     fn decoded(bytes: &[u8]) -> Result<DynamicImage, String> {
-        ExrFile::open(ImageSource::bytes(bytes)).unwrap()?.decode()
+        ExrFile::open(ImageSource::bytes(bytes))?.decode()
     }
 
     #[test]

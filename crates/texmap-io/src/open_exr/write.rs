@@ -26,7 +26,7 @@ pub struct ExrLayer<'a> {
 const COLORS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// Names of the channels of a layer by their number; a single one is a depth.
-const NAMES: [&[&str]; 4] = [&["Z"], &["U", "V"], &["X", "Y", "Z"], &["R", "G", "B", "A"]];
+const NAMES: [&[&str]; 4] = [&["Z"], &["U", "V"], &["X", "Y", "Z"], &COLORS];
 
 /// Writes linear, premultiplied colours and layers as OpenEXR, 32 bits a value, whole or not at all. `alpha` adds the fourth channel.
 ///

@@ -227,6 +227,11 @@ fn nothing_is_read_outside_of_the_folder() {
         error.to_string().contains("/buffers/0/uri: ") && error.help().contains("--root"),
         "{error}"
     );
+    for address in ["file:///etc/passwd", "/etc/passwd"] {
+        let files = Files::new().with("a.gltf", TRIANGLE.replace("a.bin", address));
+        let error = files.load("a.gltf").unwrap_err();
+        assert_eq!(error.code(), "outside-root", "{error}");
+    }
     let wider = LoadOptions {
         files: FileSource::within(files.root()).expect("a folder"),
         ..LoadOptions::default()
