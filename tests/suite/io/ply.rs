@@ -257,6 +257,77 @@ fn strips_become_triangles() {
     }
 }
 
+/// Scans have a vertex that is not finite for each pixel without depth; faces leave them out.
+#[test]
+fn vertices_that_no_face_uses_may_be_anything() {
+    for encoding in ENCODINGS {
+        let mut records = vec![[f32::NAN, 0.0, 0.0].map(V::F32).to_vec()];
+        records.push([0.0, 0.0, 0.0].map(V::F32).to_vec());
+        records.push([1.0, 0.0, 0.0].map(V::F32).to_vec());
+        records.push([0.0, f32::INFINITY, 0.0].map(V::F32).to_vec());
+        records.push([0.0, 1.0, 0.0].map(V::F32).to_vec());
+        records.push(vec![V::U8(3), V::I32(1), V::I32(2), V::I32(4)]);
+        let head = HEAD.replace("vertex 3", "vertex 5");
+        let bytes = ply(encoding, &head, &records);
+        let whole = load(Files::new().with("a.ply", triangle(encoding)));
+        let scan = load(Files::new().with("a.ply", bytes));
+        let (whole, scan) = (&whole.meshes[0], &scan.meshes[0]);
+        assert_eq!(scan.positions, whole.positions);
+        assert_eq!(
+            (&scan.triangles, &scan.faces),
+            (&whole.triangles, &whole.faces)
+        );
+        *records.last_mut().unwrap() = vec![V::U8(3), V::I32(1), V::I32(2), V::I32(3)];
+        refused(
+            ply(encoding, &head, &records),
+            match encoding {
+                Encoding::Ascii => "broken-model-line",
+                _ => "broken-model",
+            },
+            "vertex 3",
+        );
+    }
+}
+
+/// A normal that is not finite is computed, and a face with such coordinates has none.
+#[test]
+fn normals_and_coordinates_that_are_not_finite() {
+    let head = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n\
+        property float nz\nproperty float s\nproperty float t\nelement face 2\nproperty list uchar int vertex_indices\n";
+    let point = |x, y, n, s| {
+        vec![
+            V::F32(x),
+            V::F32(y),
+            V::F32(0.0),
+            V::F32(0.0),
+            V::F32(n),
+            V::F32(1.0),
+            V::F32(s),
+            V::F32(y),
+        ]
+    };
+    for encoding in ENCODINGS {
+        let face = |i| vec![V::U8(3), V::I32(0), V::I32(i), V::I32(i + 1)];
+        let records = [
+            point(0.0, 0.0, f32::NAN, 0.0),
+            point(1.0, 0.0, 0.0, 1.0),
+            point(1.0, 1.0, 0.0, 1.0),
+            point(0.0, 1.0, 0.0, f32::NAN),
+            face(1),
+            face(2),
+        ];
+        let scene = load(Files::new().with("a.ply", ply(encoding, head, &records)));
+        let mesh = &scene.meshes[0];
+        assert!(mesh.normals.iter().all(|n| *n == [0.0, 0.0, 1.0]));
+        assert_eq!(mesh.uvs[..3], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        assert!(mesh.uvs.as_flattened().iter().all(|x| x.is_finite()));
+        assert_eq!(mesh.positions.len(), 6, "the second face is apart");
+        let warned = |words: &str| scene.warnings.iter().any(|w| w.contains(words));
+        assert!(warned("a normal that is not finite is computed from faces"));
+        assert!(warned("1 faces without texture coordinates"));
+    }
+}
+
 /// Code, and the place of a text or the words about a byte.
 #[track_caller]
 fn refused(bytes: impl AsRef<[u8]>, code: &str, words: &str) {
@@ -308,6 +379,11 @@ fn faults_of_a_text_have_line_and_column() {
     );
     refused(
         changed("1 0 0", "1 nan 0"),
+        "broken-model-line",
+        "a.ply:11:1: vertex 1 has a position that is not finite",
+    );
+    refused(
+        changed("1 0 0", "1 -nan(ind) 0"),
         "broken-model-line",
         "a.ply:11:1: vertex 1 has a position that is not finite",
     );

@@ -18,11 +18,12 @@ use texmap_sample::UvTransform;
 
 pub use edit::ObjText;
 pub(crate) use materials::{decode_maps, material};
-pub(crate) use model::{drawn_as_fan, read};
+pub(crate) use model::{broken_normals, drawn_as_fan, read};
 pub(crate) use mtl::Description;
 pub(crate) use normals::unit;
 pub(crate) use parts::parts;
 pub(crate) use read::{Corner, Face, Group, NONE, Obj};
+pub(crate) use source::spells_nan;
 
 /// The name of a part that has none.
 pub(crate) const UNNAMED: &str = "unnamed_object";

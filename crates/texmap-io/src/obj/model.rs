@@ -28,7 +28,8 @@ pub(crate) fn read(
     };
     let pieces = pieces::read(path, &text, None).map_err(hidden)?;
     drop(text);
-    let obj = pieces.join();
+    let mut obj = pieces.join();
+    obj.drop_broken_uvs();
     if obj.faces.is_empty() {
         return Err(IoError::EmptyMesh {
             path: path.to_path_buf(),
@@ -56,13 +57,15 @@ pub(crate) fn read(
 }
 
 fn report(path: &Path, obj: &Obj, parts: &[Part], warnings: &mut Vec<String>) {
-    if obj.lines_and_points > 0 {
-        warnings.push(format!(
-            "{}: {} lines and points are not drawn",
-            shown(path),
-            obj.lines_and_points
-        ));
+    match obj.lines_and_points {
+        0 => {}
+        1 => warnings.push(format!("{}: a line or point is not drawn", shown(path))),
+        count => warnings.push(format!(
+            "{}: {count} lines and points are not drawn",
+            shown(path)
+        )),
     }
+    warnings.extend(broken_normals(path, obj.not_finite.normals));
     if let Some((location, word)) = &obj.unknown {
         let word = match is_called(path, "obj") {
             true => word,
@@ -85,6 +88,16 @@ fn report(path: &Path, obj: &Obj, parts: &[Part], warnings: &mut Vec<String>) {
             warnings.push(format!("{}:{line}: {}", shown(path), drawn_as_fan(corners)));
         }
     }
+}
+
+/// The warning of normals that are not finite.
+pub(crate) fn broken_normals(path: &Path, count: usize) -> Option<String> {
+    let what = match count {
+        0 => return None,
+        1 => "a normal that is not finite is".to_owned(),
+        _ => format!("{count} normals that are not finite are"),
+    };
+    Some(format!("{}: {what} computed from faces", shown(path)))
 }
 
 /// The warning of [`Part::uncut`].
@@ -130,6 +143,27 @@ mod tests {
             m.warnings[0].contains("`gold` is not defined"),
             "{:?}",
             m.warnings
+        );
+    }
+
+    /// Vertices, normals and coordinates that are not finite matter where faces use them.
+    #[test]
+    fn numbers_that_are_not_finite() {
+        let clean = read_text(&format!("{SQUARE}f 1/1 2/2 3/3\nf 1 3 4\n"));
+        let mut broken = read_text(&format!(
+            "{SQUARE}v nan inf 0\nvt 0 -nan(ind)\nvn 1.#QNAN 0 1\nf 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/5/1 4/4/1\n"
+        ));
+        let (clean, part) = (&clean.parts[0], &broken.parts[0]);
+        assert_eq!(clean.positions, part.positions);
+        assert_eq!(clean.uvs, part.uvs);
+        assert_eq!(clean.normals, part.normals);
+        assert_eq!(part.projected, Some((1, 13)));
+        assert!(part.uvs.as_flattened().iter().all(|x| x.is_finite()));
+        assert!(
+            broken
+                .warnings
+                .remove(0)
+                .ends_with("a normal that is not finite is computed from faces")
         );
     }
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 use memchr::{memchr, memrchr};
 use texmap_math::parallel;
 
-use super::read::{Counts, Group, Obj, Spans, read_piece};
+use super::read::{self, Counts, Group, Obj, Spans, read_piece};
 use crate::IoError;
 
 /// Bytes of a piece, and of the rest of its last statement.
@@ -28,6 +28,19 @@ pub(super) fn read(file: &Path, text: &str, spans: Option<&mut Spans>) -> Result
 }
 
 fn read_in(
+    file: &Path,
+    text: &str,
+    spans: Option<&mut Spans>,
+    size: usize,
+) -> Result<Pieces, IoError> {
+    let pieces = read_pieces(file, text, spans, size)?;
+    match pieces.broken_vertex() {
+        Some(vertex) => Err(read::vertex_fault(file, text, vertex)),
+        None => Ok(pieces),
+    }
+}
+
+fn read_pieces(
     file: &Path,
     text: &str,
     spans: Option<&mut Spans>,
@@ -93,6 +106,20 @@ fn cut(text: &str, size: usize) -> Vec<Range<usize>> {
 }
 
 impl Pieces {
+    /// The first vertex that is not finite and that a face uses. (Scans have others: a vertex for each pixel of a depth image.)
+    fn broken_vertex(&self) -> Option<usize> {
+        if self.0.iter().all(|piece| piece.not_finite.positions == 0) {
+            return None;
+        }
+        let positions = self.0.iter().flat_map(|piece| &piece.positions);
+        let broken: Vec<bool> = positions
+            .map(|position| !position.iter().all(|x| x.is_finite()))
+            .collect();
+        let corners = self.0.iter().flat_map(|piece| &piece.corners);
+        let used = corners.map(|corner| corner.vertex as usize);
+        used.filter(|vertex| broken[*vertex]).min()
+    }
+
     /// The model of all pieces; each list of a piece is given back to the system when it is copied. Corners are more than half of all:
     /// they are joined beside the rest. Takes as much memory as the pieces: a text that is not needed any more should be dropped before.
     pub(super) fn join(self) -> Obj {
@@ -145,6 +172,7 @@ fn join_rest(mut pieces: Vec<Obj>) -> Obj {
         all.libraries.extend(piece.libraries);
         all.lines_and_points += piece.lines_and_points;
         all.unknown = all.unknown.or(piece.unknown);
+        all.not_finite = all.not_finite.and(piece.not_finite);
     }
     Obj {
         positions: joined(positions),
@@ -186,7 +214,7 @@ mod tests {
             "f 1 2 5",
             "f 1/2 2/1 3/1",
             "f 1 2 -5",
-            "v 0 0 nan",
+            "v 0 0 nan\nf 1 2 -1",
             "f 1//1 2/1 3",
             "vt",
             "usemtl",

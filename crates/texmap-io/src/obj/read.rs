@@ -39,6 +39,28 @@ pub(crate) struct Obj {
     pub(crate) lines_and_points: usize,
     /// The first statement that is not known, and its location.
     pub(crate) unknown: Option<(SourceLocation, String)>,
+    pub(crate) not_finite: NotFinite,
+}
+
+/// Counts of lines whose numbers are not finite.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct NotFinite {
+    /// NaN; no face may use them.
+    pub(crate) positions: usize,
+    /// NaN.
+    pub(crate) uvs: usize,
+    /// Zero.
+    pub(crate) normals: usize,
+}
+
+impl NotFinite {
+    pub(super) fn and(self, next: Self) -> Self {
+        Self {
+            positions: self.positions + next.positions,
+            uvs: self.uvs + next.uvs,
+            normals: self.normals + next.normals,
+        }
+    }
 }
 
 /// One corner of a face: indices from 0, or [`NONE`].
@@ -162,6 +184,50 @@ pub(super) fn read_piece(
     Ok((reader.obj, reader.spans))
 }
 
+impl Obj {
+    /// Takes the coordinates away from faces of which one corner's are not finite.
+    pub(super) fn drop_broken_uvs(&mut self) {
+        if self.not_finite.uvs == 0 {
+            return;
+        }
+        let mut corners = &mut self.corners[..];
+        for face in &mut self.faces {
+            let (own, rest) = corners.split_at_mut(face.corners as usize);
+            corners = rest;
+            let uvs = own.iter().filter_map(|c| self.uvs.get(c.uv as usize));
+            if !uvs.flatten().all(|x| x.is_finite()) {
+                face.has_uv = false;
+                for corner in own {
+                    corner.uv = NONE;
+                }
+            }
+        }
+    }
+}
+
+/// The fault of the vertex of this number, from 0, whose position is not finite.
+#[cold]
+pub(super) fn vertex_fault(file: &Path, text: &str, vertex: usize) -> IoError {
+    let mut source = Source::new(file, text, 0..text.len(), 1);
+    let mut words = Vec::new();
+    let mut above = 0;
+    while source.next(&mut words, usize::MAX) {
+        let Some((&word, values)) = words.split_first() else {
+            continue;
+        };
+        if source.bytes(word) != b"v" {
+            continue;
+        }
+        if above == vertex
+            && let Err(fault) = source.three("v", values)
+        {
+            return fault;
+        }
+        above += 1;
+    }
+    unreachable!("vertices are those of this text")
+}
+
 struct Reader<'a> {
     source: Source<'a>,
     obj: Obj,
@@ -180,17 +246,14 @@ impl<'a> Reader<'a> {
             "vt" => {
                 self.source
                     .count("vt", word, values, 1..=3, "1 to 3 numbers")?;
-                let any = self.spans.is_some();
                 let mut uv = [0.0; 2];
                 for (i, value) in values.iter().enumerate() {
-                    let x = match self.source.float(*value) {
-                        Some(x) if any || x.is_finite() => x,
-                        _ => self.source.number("vt", *value)?,
-                    };
+                    let x = self.source.number_or_nan("vt", *value)?;
                     if let Some(c) = uv.get_mut(i) {
                         *c = x;
                     }
                 }
+                self.obj.not_finite.uvs += usize::from(!uv.iter().all(|c| c.is_finite()));
                 self.obj.uvs.push(uv);
                 if let Some(spans) = &mut self.spans {
                     spans.uvs.push(self.source.statement);
@@ -198,7 +261,12 @@ impl<'a> Reader<'a> {
             }
             "vn" => {
                 self.source.count("vn", word, values, 3..=3, "3 numbers")?;
-                let normal = self.source.three("vn", values)?;
+                let mut normal = self.source.three_or_nan("vn", values)?;
+                if !normal.iter().all(|x| x.is_finite()) {
+                    // None, as for the zero vector.
+                    normal = [0.0; 3];
+                    self.obj.not_finite.normals += 1;
+                }
                 self.obj.normals.push(normal);
             }
             "f" | "fo" => self.face(word, values)?,
@@ -241,13 +309,16 @@ impl<'a> Reader<'a> {
     fn vertex(&mut self, word: Span, values: &[Span]) -> Result<(), IoError> {
         let expected = "3 numbers (x y z), 4 (with w) or 6 (with r g b)";
         self.source.count("v", word, values, 3..=6, expected)?;
-        let mut position = self.source.three("v", values)?;
+        let mut position = self.source.three_or_nan("v", values)?;
+        let finite = |position: [f32; 3]| position.iter().all(|x| x.is_finite());
+        let is_finite = finite(position);
+        self.obj.not_finite.positions += usize::from(!is_finite);
         match values[3..] {
             [] => {}
             [weight] => {
                 let w = self.source.number("v", weight)?;
                 position = position.map(|x| x / w);
-                if !position.iter().all(|x| x.is_finite()) {
+                if is_finite && !finite(position) {
                     return Err(self
                         .source
                         .out_of_range("v", weight, "a weight that is not zero"));
@@ -465,13 +536,15 @@ mod tests {
             ("f 1 2 3/1/1/1", "not-a-number", 7),
             ("f 1 2 /1", "not-a-number", 7),
             ("f 1 2 c", "not-a-number", 7),
-            ("v 1 nan 0", "not-finite", 5),
-            ("v 1 2 1e39", "not-finite", 7),
+            ("v 1 nan 0\nf 1 2 -1", "not-finite", 5),
+            ("v 1 2 1e39 1\nf 1 2 -1", "not-finite", 7),
+            ("v 1 2 -nan(ind)\nf 1 2 -1", "not-finite", 7),
+            ("v 1 2 1.#QNAN\nf 1 2 -1", "not-finite", 7),
+            ("v 1 2 nana", "not-a-number", 7),
             ("v 1 2", "argument-count", 1),
             ("v 1 2 3 4 5", "argument-count", 1),
             ("v 1 2 3 0", "out-of-range", 9),
             ("v 1 2 3 2 0 0", "out-of-range", 9),
-            ("vt inf 0", "not-finite", 4),
             ("vn 1 0", "argument-count", 1),
             ("vt x", "not-a-number", 4),
             ("usemtl", "argument-count", 1),

@@ -175,16 +175,32 @@ impl<'a> Source<'a> {
         Ok(three)
     }
 
-    pub(super) fn number(&self, command: &'static str, word: Span) -> Result<f32, IoError> {
-        match self.float(word) {
-            Some(x) if x.is_finite() => Ok(x),
-            _ => finite(|| self.location(word), command, self.of(word)),
+    /// Three numbers; NaN for each that is not finite.
+    pub(super) fn three_or_nan(
+        &self,
+        command: &'static str,
+        values: &[Span],
+    ) -> Result<[f32; 3], IoError> {
+        let mut three = [0.0; 3];
+        for (x, value) in three.iter_mut().zip(values) {
+            *x = self.number_or_nan(command, *value)?;
+        }
+        Ok(three)
+    }
+
+    /// A number; NaN for one that is not finite.
+    pub(super) fn number_or_nan(&self, command: &'static str, word: Span) -> Result<f32, IoError> {
+        match self.number(command, word) {
+            Err(IoError::NotFinite { .. }) => Ok(f32::NAN),
+            other => other,
         }
     }
 
-    /// A number, which may be NaN or infinite.
-    pub(super) fn float(&self, word: Span) -> Option<f32> {
-        fast_float2::parse(self.bytes(word)).ok()
+    pub(super) fn number(&self, command: &'static str, word: Span) -> Result<f32, IoError> {
+        match fast_float2::parse(self.bytes(word)) {
+            Ok::<f32, _>(x) if x.is_finite() => Ok(x),
+            _ => finite(|| self.location(word), command, self.of(word)),
+        }
     }
 
     pub(super) fn name(
@@ -286,15 +302,27 @@ pub(super) fn finite(
 ) -> Result<f32, IoError> {
     match text.parse::<f32>() {
         Ok(x) if x.is_finite() => Ok(x),
-        Ok(_) => Err(IoError::NotFinite {
+        Err(_) if !spells_nan(text.as_bytes()) => Err(IoError::NotANumber {
             location: location(),
             command,
             text: text.into(),
         }),
-        Err(_) => Err(IoError::NotANumber {
+        _ => Err(IoError::NotFinite {
             location: location(),
             command,
             text: text.into(),
         }),
     }
+}
+
+/// True for NaN and infinities as runtimes of C print them: `-nan(ind)`, `nan(0x8)`, `1.#QNAN`, `-1.#IND00`, `1.#INF`.
+///
+/// Sources: ISO C, 7.21.6.1 (`nan(n-char-sequence)`); Microsoft, "Format specification syntax: printf", before and after UCRT.
+pub(crate) fn spells_nan(word: &[u8]) -> bool {
+    let word = word.strip_prefix(b"-").unwrap_or(word);
+    let begins = |start: &[u8]| {
+        let own = word.get(..start.len());
+        own.is_some_and(|own| own.eq_ignore_ascii_case(start))
+    };
+    begins(b"1.#") || (begins(b"nan(") && word.ends_with(b")"))
 }

@@ -45,6 +45,7 @@ pub(crate) fn read(
         .source
         .ask(corners, what, "split the file", named_by)?;
     let mut warnings = left_out(path, &header);
+    warnings.extend(obj::broken_normals(path, points.broken_normals));
     let mut materials = Vec::new();
     let mut descriptions: Vec<Description> = header
         .textures
@@ -84,7 +85,8 @@ fn parts(
 ) -> Result<Vec<Part>, IoError> {
     let path = request.path;
     let needs_uv = request.textured || !descriptions.is_empty();
-    let simple = polygons.sizes.is_empty()
+    let simple = !points.partial
+        && polygons.sizes.is_empty()
         && polygons.uvs.is_empty()
         && polygons.textures.is_empty()
         && points.normals.iter().all(|n| *n != [0.0; 3])
@@ -256,5 +258,8 @@ fn surface(path: &Path, bytes: Vec<u8>, header: &Header) -> Result<(Points, Poly
         }
         (None, None) => Polygons::default(),
     };
+    if let Some((_, number)) = of("vertex") {
+        points.check(&polygons).map_err(faulty(number))?;
+    }
     Ok((points, polygons))
 }

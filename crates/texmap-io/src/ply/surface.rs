@@ -21,6 +21,10 @@ pub(super) struct Points {
     pub(super) uvs: Vec<[f32; 2]>,
     /// 0 to 1.
     pub(super) colors: Vec<[f32; 3]>,
+    /// Some positions or coordinates are not finite.
+    pub(super) partial: bool,
+    /// Normals that are not finite, which became zero.
+    pub(super) broken_normals: usize,
 }
 
 impl Points {
@@ -40,25 +44,24 @@ impl Points {
         let Some(xyz) = fields([&["x"], &["y"], &["z"]]) else {
             return Err(fault(0, "has no properties x, y and z"));
         };
-        let three = |[a, b, c]: [Field<'_>; 3], what: &str| {
+        let three = |[a, b, c]: [Field<'_>; 3]| {
             let [a, b, c] = [scalar(a)?, scalar(b)?, scalar(c)?];
             let read = |i: usize| [a.value(i) as f32, b.value(i) as f32, c.value(i) as f32];
-            let values: Vec<[f32; 3]> = parallel::list(count, [0.0; 3], read);
-            let bad = parallel::first(count, |i| !values[i].iter().all(|c| c.is_finite()));
-            match bad {
-                None => Ok(values),
-                Some(i) => Err(fault(
-                    i,
-                    &format!("has a {what} that is not finite in 32 bits"),
-                )),
-            }
+            Ok(parallel::list(count, [0.0; 3], read))
         };
         let mut points = Self {
-            positions: three(xyz, "position")?,
+            positions: three(xyz)?,
             ..Self::default()
         };
+        points.partial = first_broken(&points.positions).is_some();
         if let Some(normal) = fields([&["nx"], &["ny"], &["nz"]]) {
-            points.normals = three(normal, "normal")?;
+            points.normals = three(normal)?;
+            if first_broken(&points.normals).is_some() {
+                for normal in points.normals.iter_mut().filter(|n| is_broken(n)) {
+                    *normal = [0.0; 3];
+                    points.broken_normals += 1;
+                }
+            }
         }
         let color = [
             &["red", "r", "diffuse_red"][..],
@@ -66,7 +69,7 @@ impl Points {
             &["blue", "b", "diffuse_blue"],
         ];
         if let Some(color) = fields(color) {
-            points.colors = three(color, "colour")?;
+            points.colors = three(color)?;
             let most = color.map(|field| match field.property.kind.size() {
                 1 => 255.0,
                 2 => 65535.0,
@@ -97,14 +100,34 @@ impl Points {
             let (u, v) = (scalar(u)?, scalar(v)?);
             let read = |i: usize| [u.value(i) as f32, v.value(i) as f32];
             points.uvs = parallel::list(count, [0.0; 2], read);
-            let uvs = &points.uvs;
-            let bad = parallel::first(count, |i| !uvs[i].iter().all(|c| c.is_finite()));
-            if let Some(i) = bad {
-                return Err(fault(i, "has a coordinate that is not finite in 32 bits"));
-            }
+            points.partial |= first_broken(&points.uvs).is_some();
         }
         Ok(points)
     }
+
+    /// The fault of the first vertex that is not finite and that a face uses. (Scans have others: a vertex for each pixel of a depth
+    /// image.)
+    pub(super) fn check(&self, polygons: &Polygons) -> Result<(), Fault> {
+        if !self.partial {
+            return Ok(());
+        }
+        let corners = polygons.corners.iter().map(|vertex| *vertex as usize);
+        match corners.filter(|i| is_broken(&self.positions[*i])).min() {
+            None => Ok(()),
+            Some(record) => Err(Fault {
+                record,
+                problem: "has a position that is not finite in 32 bits, and a face uses it".into(),
+            }),
+        }
+    }
+}
+
+fn is_broken<const N: usize>(values: &[f32; N]) -> bool {
+    !values.iter().all(|x| x.is_finite())
+}
+
+fn first_broken<const N: usize>(values: &[[f32; N]]) -> Option<usize> {
+    parallel::first(values.len(), |i| is_broken(&values[i]))
 }
 
 /// A property that is no list.
@@ -192,14 +215,14 @@ impl Polygons {
                     );
                     return Err(fault(i, problem));
                 }
-                let none = list.len() == 0;
+                let first = polygons.uvs.len();
                 for _ in 0..corners {
                     let uv = [(); 2].map(|()| list.next().unwrap_or(f64::NAN) as f32);
-                    if !(none || uv.iter().all(|c| c.is_finite())) {
-                        let problem = "has a coordinate that is not finite in 32 bits".to_owned();
-                        return Err(fault(i, problem));
-                    }
                     polygons.uvs.push(uv);
+                }
+                let own = &mut polygons.uvs[first..];
+                if own.iter().any(is_broken) {
+                    own.fill([f32::NAN; 2]);
                 }
             }
         }
@@ -282,9 +305,10 @@ impl Polygons {
         };
         for (_, i, first) in order {
             let size = self.size(i);
+            let mut corners = self.corners[first..first + size].iter();
             let has_uv = match per_corner {
                 true => !self.uvs[first][0].is_nan(),
-                false => per_vertex,
+                false => per_vertex && !corners.any(|i| is_broken(&obj.uvs[*i as usize])),
             };
             obj.faces.push(Face {
                 line: 0,

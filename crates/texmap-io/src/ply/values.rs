@@ -1,5 +1,7 @@
 //! The values of a PLY file: their types, in bytes of either order and as words.
 
+use crate::obj::spells_nan;
+
 /// A type of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -87,11 +89,16 @@ impl Kind {
             Self::U16 => whole!(u16),
             Self::I32 => whole!(i32),
             Self::U32 => whole!(u32),
-            Self::F32 => out.extend(fast_float2::parse::<f32, _>(word).ok()?.to_le_bytes()),
-            Self::F64 => out.extend(fast_float2::parse::<f64, _>(word).ok()?.to_le_bytes()),
+            Self::F32 => out.extend(float::<f32>(word, f32::NAN)?.to_le_bytes()),
+            Self::F64 => out.extend(float::<f64>(word, f64::NAN)?.to_le_bytes()),
         }
         Some(())
     }
+}
+
+fn float<T: fast_float2::FastFloat>(word: &[u8], nan: T) -> Option<T> {
+    let value = fast_float2::parse(word).ok();
+    value.or_else(|| spells_nan(word).then_some(nan))
 }
 
 #[cfg(test)]
