@@ -250,3 +250,43 @@ fn a_prefiltered_environment_is_files_of_powers_of_two() {
     );
     desk.refused("env sky.hdr -o x.exr", 2, "--to");
 }
+
+/// Lights as Blender writes them, 683 lumens for each watt: the picture is that of watts, and tells so. An exposure of one's own
+/// draws the file as it stands.
+#[test]
+fn lights_in_lumens_do_not_make_all_white() {
+    let desk = Desk::new();
+    let assets = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/gltf");
+    for name in ["plates.bin", "leaf card.png"] {
+        desk.put(name, std::fs::read(assets.join(name)).unwrap());
+    }
+    let text = std::fs::read_to_string(assets.join("plates.gltf")).unwrap();
+    let lit_by = |lux: f64| {
+        let mut file: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let sun = serde_json::json!({ "type": "directional", "intensity": lux });
+        file["extensions"] = serde_json::json!({ "KHR_lights_punctual": { "lights": [sun] } });
+        file["extensionsUsed"] = serde_json::json!(["KHR_lights_punctual"]);
+        let nodes = file["nodes"].as_array_mut().unwrap();
+        nodes.push(serde_json::json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
+        let node = nodes.len() - 1;
+        file["scenes"][0]["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(node.into());
+        desk.put("sun.gltf", file.to_string());
+    };
+    let drawn = |flags: &str| {
+        let command = format!("render sun.gltf --resolution 64x48 -o s.png --json {flags}");
+        let run = desk.texmap(&command).ok();
+        let item = run.json()["items"][0].clone();
+        let told = item["warnings"].to_string().contains("683 times darker");
+        (item["pixel_hash"].clone(), told)
+    };
+    lit_by(2.0);
+    let (watts, told) = drawn("");
+    assert!(!told);
+    lit_by(2.0 * 683.0);
+    assert_eq!(drawn(""), (watts.clone(), true));
+    let (white, told) = drawn("--exposure 1");
+    assert!(white != watts && !told);
+}

@@ -1,6 +1,7 @@
 //! Cameras that show a whole model, and the light for a model that brings none.
 
 mod bounds;
+mod bright_lights;
 mod fit;
 mod model_light;
 mod studio;
@@ -13,6 +14,7 @@ use texmap_math::glam::DVec3;
 use texmap_scene::Scene;
 
 pub use bounds::Bounds;
+pub use bright_lights::dim_bright_lights;
 pub use model_light::{
     light_as_model, light_dark_surfaces, light_model, metallic_surfaces, reads_environment,
 };

@@ -2,16 +2,17 @@
 
 use texmap_scene::{ColorMode, MetallicRoughness, Scene, Shading};
 
-use super::{Up, auto_lights, light_by_studio};
+use super::{Up, auto_lights, dim_bright_lights, light_by_studio};
 
 /// Shades and lights a loaded model as `texmap render` does without flags: its surfaces are metallic-roughness under the neutral studio,
-/// unless it brings light of its own; lights of the loader, which stand in for light from all around, go. In raw colours surfaces
-/// stay as they are.
+/// unless it brings light of its own; lights of the loader, which stand in for light from all around, go, and lights in lumens are
+/// dimmed ([`dim_bright_lights`]). In raw colours surfaces stay as they are.
 pub fn light_as_model(scene: &mut Scene, up: Up) {
     if scene.color == ColorMode::Srgb {
         metallic_surfaces(scene);
     }
     light_model(scene, up, false);
+    dim_bright_lights(scene);
     light_dark_surfaces(scene, up);
 }
 

@@ -6,8 +6,8 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use texmap_bake::GroundShadow;
 use texmap_io::framing::{
-    Up, auto_lights, light_dark_surfaces, light_model, metallic_surfaces, reads_environment,
-    renew_studio, studio,
+    Up, auto_lights, dim_bright_lights, light_dark_surfaces, light_model, metallic_surfaces,
+    reads_environment, renew_studio, studio,
 };
 use texmap_light::{EnvironmentLayout, EnvironmentLight, Prefilter, Roughnesses, ToneMap};
 use texmap_scene::{Background, ColorMode, Material, Scene};
@@ -33,7 +33,7 @@ pub(crate) struct LightArgs {
     /// lights. Also on --background transparent
     #[arg(long)]
     pub(crate) ground_shadow: bool,
-    /// Factor of light before tone mapping [default: 1]
+    /// Factor of light before tone mapping [default: 1, with lights of models dimmed that are in lumens]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exposure: Option<f32>,
     /// The way of bright light to display light: pbr-neutral, aces, agx, none [default: pbr-neutral under light from all around and
@@ -173,8 +173,10 @@ impl LightArgs {
             let turned = light.clone().turned(angle.to_radians());
             scene.effects.environment_light = Some(turned);
         }
-        if let Some(exposure) = self.exposure {
-            scene.effects.tone_mapping.exposure = exposure;
+        match self.exposure {
+            Some(exposure) => scene.effects.tone_mapping.exposure = exposure,
+            None if !scene_file => dim_bright_lights(scene),
+            None => {}
         }
         match self.tone_map {
             Some(map) => scene.effects.tone_mapping.map = map,
