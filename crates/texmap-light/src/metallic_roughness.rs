@@ -35,6 +35,9 @@ pub struct MetallicRoughnessLanes<I: Isa> {
     pub f0: [I::F32; 3],
     /// Reflectance of the dielectric at grazing incidence: the strength of its reflection.
     pub f90: I::F32,
+    /// Fraction of the light of a dielectric base that passes through instead of being scattered; `None` for an opaque base. See
+    /// [`ReflectanceLanes::transmitted`].
+    pub transmission: Option<I::F32>,
     /// A clear layer over everything.
     pub clearcoat: Option<ClearcoatLanes<I>>,
     /// Cloth between clear layer and base.
@@ -79,6 +82,7 @@ impl<I: Isa> MetallicRoughnessLanes<I> {
             roughness,
             f0: splat(i, [0.04; 3]),
             f90: i.f32(1.0),
+            transmission: None,
             clearcoat: None,
             sheen: None,
         }
@@ -103,6 +107,8 @@ pub struct ReflectanceLanes<I: Isa> {
     /// Directional albedo of the diffuse base, and 1 over the fraction of even light that reaches it.
     diffuse: Vector<I>,
     per_left: I::F32,
+    /// Fraction of the light from behind that passes the base.
+    transmitted: Option<I::F32>,
     /// Reflectance of further bounces and of the base for one light, without the factors of its direction.
     again_of_light: Vector<I>,
     diffuse_of_light: Vector<I>,
@@ -163,7 +169,18 @@ impl<I: Isa> ReflectanceLanes<I> {
         let left = one - (most * a + surface.f90 * b + more * missing);
         let left_average: I::F32 = one - (most * mean_a + surface.f90 * mean_b + more * lost);
         let per_left = one / left_average.above(least);
-        let diffuse = scale(surface.base_color, (one - metallic) * left);
+        let dielectric = (one - metallic) * left;
+        let (mut scattered, mut transmitted) = (surface.base_color, None);
+        if let Some(transmission) = surface.transmission {
+            let [r, g, b] = surface.base_color;
+            let mean = ((r + g + b) * (1.0 / 3.0)).clamp(i.f32(0.0), one);
+            let passing = mean * transmission * (one - roughness);
+            for color in &mut scattered {
+                *color = (*color - passing).above(i.f32(0.0));
+            }
+            transmitted = Some(passing * dielectric);
+        }
+        let diffuse = scale(scattered, dielectric);
         let mut f0 = surface.f0;
         let (mut once, mut again, mut again_of_light) = (f0, f0, f0);
         for k in 0..3 {
@@ -188,6 +205,7 @@ impl<I: Isa> ReflectanceLanes<I> {
             again,
             diffuse,
             per_left,
+            transmitted,
             again_of_light,
             diffuse_of_light: scale(diffuse, per_left),
             dielectric: [most, surface.f90, more],
@@ -200,6 +218,22 @@ impl<I: Isa> ReflectanceLanes<I> {
                 None => None,
             },
         }
+    }
+
+    /// Fraction of the light from behind that reaches the eye straight through the surface; `None` for an opaque one.
+    ///
+    /// The surface counts as a thin sheet of one grey: it passes the mean of its base color in all channels, and scatters what its color has
+    /// above that. Rough sheets blur the light behind them, so that they scatter the fraction `roughness` of what they would pass.
+    #[inline(always)]
+    pub fn transmitted(&self) -> Option<I::F32> {
+        let mut passing = self.transmitted?;
+        if let Some(sheen) = &self.sheen {
+            passing = passing * sheen.left;
+        }
+        if let Some(coat) = &self.coat {
+            passing = passing * coat.left;
+        }
+        Some(passing)
     }
 
     /// Radiance towards the eye of a light at the points of a block, and the lanes that it reaches; the values of the others have no

@@ -54,7 +54,7 @@ pub use material::{
     AlphaMode, Material, Shading, TextureRole, TextureSlot, UvSet, VertexColorInterp,
 };
 pub use mesh::Mesh;
-pub use metallic_roughness::{Clearcoat, MetallicRoughness, Sheen};
+pub use metallic_roughness::{Clearcoat, MetallicRoughness, Sheen, Transmission};
 pub use scene::{ColorMode, Scene};
 pub use shadow_fit::{shadow_bias, shadow_kind};
 pub use shapes::{Billboard, Displacement, EdgeBudget, Facing};

@@ -26,6 +26,8 @@ pub struct MetallicRoughness {
     pub specular_color: [f32; 3],
     /// Multiplies that colour.
     pub specular_color_map: Option<TextureSlot>,
+    /// Light that passes the dielectric base; drawn where the material's [`AlphaMode`](crate::AlphaMode) is `Blend`.
+    pub transmission: Option<Transmission>,
     /// A clear layer over everything.
     pub clearcoat: Option<Clearcoat>,
     /// Back-scattering fibres of cloth.
@@ -45,10 +47,20 @@ impl Default for MetallicRoughness {
             specular_map: None,
             specular_color: [1.0; 3],
             specular_color_map: None,
+            transmission: None,
             clearcoat: None,
             sheen: None,
         }
     }
+}
+
+/// A thin sheet of glass (`KHR_materials_transmission`).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Transmission {
+    /// Fraction of the base's light that passes instead of being scattered, 0 to 1.
+    pub factor: f32,
+    /// Multiplies the fraction by its red channel. Data.
+    pub map: Option<TextureSlot>,
 }
 
 /// A clear layer of index 1.5 (`KHR_materials_clearcoat`).
@@ -102,8 +114,10 @@ impl MetallicRoughness {
             .sheen
             .iter()
             .flat_map(|s| [&s.color_map, &s.roughness_map]);
+        let transmission = self.transmission.iter().map(|t| &t.map);
         [&self.map, &self.specular_map, &self.specular_color_map]
             .into_iter()
+            .chain(transmission)
             .chain(coat)
             .chain(sheen)
             .flatten()
@@ -116,12 +130,14 @@ impl MetallicRoughness {
         let coat = coat.flat_map(|c| [&mut c.map, &mut c.roughness_map]);
         let sheen = self.sheen.iter_mut();
         let sheen = sheen.flat_map(|s| [&mut s.color_map, &mut s.roughness_map]);
+        let transmission = self.transmission.iter_mut().map(|t| &mut t.map);
         [
             &mut self.map,
             &mut self.specular_map,
             &mut self.specular_color_map,
         ]
         .into_iter()
+        .chain(transmission)
         .chain(coat)
         .chain(sheen)
         .flatten()
@@ -159,8 +175,10 @@ impl MetallicRoughness {
         let coat = self.clearcoat.iter().flat_map(|c| [c.factor, c.roughness]);
         let sheen = self.sheen.iter();
         let sheen = sheen.flat_map(|s| s.color.into_iter().chain([s.roughness]));
+        let transmission = self.transmission.iter().map(|t| t.factor);
         [self.metallic, self.roughness, self.specular, strength]
             .into_iter()
+            .chain(transmission)
             .chain(coat)
             .chain(sheen)
             .all(|x| unit(&x))
@@ -195,11 +213,15 @@ mod tests {
                 roughness_map: slot(7),
                 ..Sheen::default()
             }),
+            transmission: Some(Transmission {
+                factor: 1.0,
+                map: slot(8),
+            }),
             ..MetallicRoughness::default()
         };
         let mut textures: Vec<usize> = all.slots().map(|slot| slot.texture).collect();
         textures.sort_unstable();
-        assert_eq!(textures, [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(textures, [0, 1, 2, 3, 4, 5, 6, 7, 8]);
         assert_eq!(MetallicRoughness::default().slots().count(), 0);
     }
 

@@ -14,6 +14,8 @@ pub struct Compose<'a> {
     pub paired: Option<BaseColor<'a>>,
     /// `base * diffuse + highlight`; else the colors have their light already.
     pub lit: bool,
+    /// A part of the light from behind passes: it is not covered, and what the surface reflects does not fade with it.
+    pub transmits: bool,
     /// Tone mapping of the sum.
     pub display: Display,
 }
@@ -82,7 +84,13 @@ impl Kernel for Compose<'_> {
                 }
             }
             let [r, g, b] = self.display.of(i, color);
-            let color = [r * alpha, g * alpha, b * alpha, alpha];
+            let covered = if self.transmits {
+                let [passing, ..] = columns.transmitted.load(i, at);
+                alpha * (one - passing)
+            } else {
+                alpha
+            };
+            let color = [r * alpha, g * alpha, b * alpha, covered];
             columns.color.store(i, at, color);
         }
     }

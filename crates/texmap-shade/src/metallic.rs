@@ -24,8 +24,9 @@ const COAT: usize = 4;
 const COAT_ROUGHNESS: usize = 5;
 const SHEEN_COLOR: usize = 6;
 const SHEEN_ROUGHNESS: usize = 7;
+const TRANSMISSION: usize = 8;
 /// Maps of a metallic-roughness model, in the order of [`slots`].
-pub const METALLIC_MAPS: usize = 8;
+pub const METALLIC_MAPS: usize = 9;
 
 /// The textures of a model in the order of the stage; no occlusion where it is the red channel of the first, which is
 /// read once.
@@ -40,6 +41,7 @@ pub fn slots(model: &MetallicRoughness) -> [Option<&TextureSlot>; METALLIC_MAPS]
         coat.and_then(|coat| coat.roughness_map.as_ref()),
         sheen.and_then(|sheen| sheen.color_map.as_ref()),
         sheen.and_then(|sheen| sheen.roughness_map.as_ref()),
+        model.transmission.as_ref().and_then(|t| t.map.as_ref()),
     ]
 }
 
@@ -65,21 +67,30 @@ pub struct MetallicStage<'a> {
     /// Occlusion is the red channel of the first map, which is read once.
     pub(crate) shared_occlusion: bool,
     pub(crate) environment: Option<&'a EnvironmentLight>,
+    /// Light passes the surface: it is blended, and its model transmits.
+    pub(crate) transmits: bool,
 }
 
 impl<'a> MetallicStage<'a> {
-    /// The model with its maps, in the order of [`slots`], and the environment that lights it.
+    /// The model with its maps, in the order of [`slots`], and the environment that lights it. Light passes it where it is `blended`.
     pub fn new(
         model: &'a MetallicRoughness,
         maps: [MapSource<'a>; METALLIC_MAPS],
         environment: Option<&'a EnvironmentLight>,
+        blended: bool,
     ) -> Self {
         Self {
             model,
             maps,
             shared_occlusion: shares_occlusion(model),
             environment,
+            transmits: blended && model.transmission.is_some(),
         }
+    }
+
+    /// True if light passes the surface.
+    pub fn transmits(&self) -> bool {
+        self.transmits
     }
 
     /// The straight color of a map from pixel `at` on, if there is the map.
@@ -152,6 +163,12 @@ impl<'a> MetallicStage<'a> {
             roughness: self.factor(i, at, read, (ROUGHNESS, 1), model.roughness),
             f0,
             f90: specular,
+            transmission: match &model.transmission {
+                Some(sheet) if self.transmits => {
+                    Some(self.factor(i, at, read, (TRANSMISSION, 0), sheet.factor))
+                }
+                _ => None,
+            },
             clearcoat: match &model.clearcoat {
                 Some(coat) => Some(ClearcoatLanes {
                     factor: self.factor(i, at, read, (COAT, 0), coat.factor),
@@ -276,6 +293,9 @@ impl Kernel for MetallicLight<'_> {
             }
             let [r, g, b] = sum;
             columns.color.store(i, at, [r, g, b, alpha]);
+            if let Some(passing) = reflectance.transmitted() {
+                columns.transmitted.store(i, at, [passing; 3]);
+            }
         }
     }
 }

@@ -76,6 +76,8 @@ pub struct ShadeColumns {
     pub(crate) diffuse: Columns<3>,
     /// Light in its own color.
     pub(crate) highlight: Columns<3>,
+    /// Fraction of the light from behind that passes.
+    pub(crate) transmitted: Columns<3>,
     /// Straight base colors and alpha; premultiplied final colors after the last stage.
     pub(crate) color: Colors,
     /// Texels and coordinates of the stage that runs; the next one reads its own.

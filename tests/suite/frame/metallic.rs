@@ -11,7 +11,7 @@ use texmap_sample::Filter;
 use texmap_scene::{
     AlphaMode, Background, Clearcoat, ColorMode, Effects, Emission, Material, Mesh,
     MetallicRoughness, NormalDetail, Scene, SceneError, Shading, Shadow, Sheen, TextureSlot,
-    ToneMapping, UvSet,
+    ToneMapping, Transmission, UvSet,
 };
 use texmap_tests::levels::levels;
 
@@ -176,6 +176,7 @@ fn everything() -> Scene {
             roughness: 0.6,
             roughness_map: bilinear(1),
         }),
+        transmission: None,
     };
     let floor = Material {
         base_color: second(0),
@@ -199,6 +200,22 @@ fn everything() -> Scene {
             [0.7; 3],
             MetallicRoughness {
                 occlusion: second(1).map(|slot| (slot, 1.0)),
+                ..model.clone()
+            },
+        )
+    };
+    let pane = Material {
+        alpha: AlphaMode::Blend,
+        opacity: 0.9,
+        ..metallic(
+            [0.6, 0.9, 0.7],
+            MetallicRoughness {
+                metallic: 0.1,
+                roughness: 0.4,
+                transmission: Some(Transmission {
+                    factor: 0.9,
+                    map: second(1),
+                }),
                 ..model
             },
         )
@@ -209,6 +226,9 @@ fn everything() -> Scene {
     let mut front = wall(0.5, 1.8);
     front.lightmap_uvs = front.uvs.iter().map(|[u, v]| [u * 0.7, v * 0.8]).collect();
     front.material = 1;
+    let mut glass = wall(0.4, 1.4);
+    glass.lightmap_uvs = glass.uvs.iter().map(|[u, v]| [*v, *u]).collect();
+    glass.material = 2;
     Scene {
         lights: vec![
             Light::Ambient { color: [0.1; 3] },
@@ -221,8 +241,8 @@ fn everything() -> Scene {
             },
         ],
         textures: vec![picture, numbers, normals, holes],
-        materials: vec![floor, plate],
-        meshes: vec![back, front],
+        materials: vec![floor, plate, pane],
+        meshes: vec![back, front, glass],
         effects: Effects {
             shadows: vec![Shadow {
                 light: 1,
@@ -295,6 +315,8 @@ fn second_sets_are_read_by_every_slot() {
             &mut model.specular_map,
             &mut model.specular_color_map,
         ];
+        let sheet = model.transmission.as_mut().and_then(|t| t.map.as_mut());
+        sheet.into_iter().for_each(exchange);
         maps.into_iter().chain(layers).flatten().for_each(exchange);
         exchange(&mut model.occlusion.as_mut().unwrap().0);
         material.base_color.iter_mut().for_each(exchange);

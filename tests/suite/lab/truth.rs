@@ -145,11 +145,7 @@ fn metallic_roughness_is_drawn_as_its_reference_says() {
         ("plates.gltf", |s| s.effects.tone_mapping.exposure = 1.2),
     ];
     for (name, change) in changes {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../assets/gltf")
-            .join(name);
-        let mut scene = texmap_io::load(&file, &LoadOptions::default()).unwrap();
-        texmap_io::framing::light_model(&mut scene, texmap_io::framing::Up::Y, false);
+        let mut scene = lit_model(name);
         let picture = drawn(&scene, None);
         let found = compare(&frame(&scene, WIDTH, HEIGHT, 1).unwrap(), &picture);
         let rmse = found.rmse();
@@ -164,6 +160,46 @@ fn metallic_roughness_is_drawn_as_its_reference_says() {
         texmap_io::framing::renew_studio(&mut scene, texmap_light::Roughnesses::NONE);
         let other = compare(&frame(&scene, WIDTH, HEIGHT, 1).unwrap(), &picture);
         assert!(other.rmse() > 2.0 * rmse, "{name}: {} {rmse}", other.rmse());
+    }
+}
+
+fn lit_model(name: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/gltf");
+    let mut scene = texmap_io::load(&folder.join(name), &LoadOptions::default()).unwrap();
+    texmap_io::framing::light_model(&mut scene, texmap_io::framing::Up::Y, false);
+    scene
+}
+
+/// Light passes sheets of glass, less of it where they mirror, and what they mirror does not fade with it.
+#[test]
+fn glass_is_drawn_as_its_reference_says() {
+    let mut scene = lit_model("materials.glb");
+    for material in &mut scene.materials {
+        material.alpha = texmap_scene::AlphaMode::Blend;
+    }
+    model(&mut scene, |m| {
+        m.roughness *= 0.5;
+        m.metallic *= 0.5;
+        m.transmission = Some(texmap_scene::Transmission {
+            factor: 0.9,
+            map: m.map.clone(),
+        });
+    });
+    texmap_io::framing::renew_studio(&mut scene, texmap_light::Roughnesses::NONE);
+    let picture = drawn(&scene, None);
+    let compared = |scene: &Scene| compare(&frame(scene, WIDTH, HEIGHT, 1).unwrap(), &picture);
+    let found = compared(&scene);
+    let rmse = found.rmse();
+    assert!(found.inside > 5_000, "{} values", found.inside);
+    assert!(rmse < 0.35 && found.worst < 1.1, "{rmse}, {}", found.worst);
+    // Opaque surfaces, or reflections that fade, are another picture.
+    let mut opaque = scene.clone();
+    model(&mut opaque, |m| m.transmission = None);
+    let mut faded = opaque.clone();
+    faded.materials.iter_mut().for_each(|m| m.opacity = 0.5);
+    for other in [opaque, faded] {
+        let other = compared(&other).rmse();
+        assert!(other > 10.0 * rmse, "{other} {rmse}");
     }
 }
 

@@ -64,7 +64,7 @@ pub(super) const KNOWN: [(&str, Support); 31] = {
         ("KHR_materials_specular", Full),
         (
             "KHR_materials_transmission",
-            Partial("surfaces are drawn opaque, not as glass"),
+            Partial("glass is drawn as thin sheets, which pass grey light and do not refract it"),
         ),
         ("KHR_materials_unlit", Full),
         (
@@ -73,7 +73,7 @@ pub(super) const KNOWN: [(&str, Support); 31] = {
         ),
         (
             "KHR_materials_volume",
-            Partial("surfaces are drawn without their inside"),
+            Partial("light is coloured at the surface and not refracted"),
         ),
         ("KHR_mesh_quantization", Full),
         ("KHR_meshopt_compression", Full),

@@ -59,9 +59,9 @@ pub(super) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
     pub(super) glossiness: Option<Glossiness>,
     #[serde(rename = "KHR_materials_transmission")]
-    pub(super) transmission: Option<Present>,
+    pub(super) transmission: Option<Transmission>,
     #[serde(rename = "KHR_materials_volume")]
-    pub(super) volume: Option<Present>,
+    pub(super) volume: Option<Volume>,
     #[serde(rename = "KHR_materials_iridescence")]
     pub(super) iridescence: Option<Present>,
     #[serde(rename = "KHR_materials_anisotropy")]
@@ -113,6 +113,23 @@ pub(super) struct Sheen {
     pub(super) sheen_color_texture: Option<TextureInfo>,
     pub(super) sheen_roughness_factor: f64,
     pub(super) sheen_roughness_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Transmission {
+    pub(super) transmission_factor: f64,
+    pub(super) transmission_texture: Option<TextureInfo>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Volume {
+    #[serde(default)]
+    pub(super) thickness_factor: f64,
+    pub(super) attenuation_distance: Option<f64>,
+    #[serde(default = "white")]
+    pub(super) attenuation_color: [f64; 3],
 }
 
 #[derive(Debug, Deserialize)]

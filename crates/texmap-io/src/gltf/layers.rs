@@ -1,6 +1,7 @@
 //! The metallic-roughness model of a material: core, specular reflection, coat, sheen.
 
-use texmap_scene::{Clearcoat, MetallicRoughness, Sheen};
+use texmap_math::deterministic_f64;
+use texmap_scene::{Clearcoat, MetallicRoughness, Sheen, Transmission};
 
 use super::images::Use;
 use super::json;
@@ -116,5 +117,29 @@ pub(super) fn lit(
         })
         .filter(|sheen| sheen.color != [0.0; 3]);
     }
+    if let Some(sheet) = &extensions.transmission {
+        let key = |key: &str| format!("extensions/KHR_materials_transmission/{key}");
+        let map = sheet.transmission_texture.as_ref();
+        model.transmission = Some(Transmission {
+            factor: reader.unit(sheet.transmission_factor, &key("transmissionFactor")),
+            map: reader.slot(map, Use::OpaqueData, &key("transmissionTexture"))?,
+        })
+        .filter(|sheet| sheet.factor > 0.0 && model.metallic < 1.0);
+    }
     Ok(model)
+}
+
+/// The colour of the inside of a material as that of its surface: light has gone the stated thickness (Beer and Lambert's law).
+pub(super) fn attenuation(stated: &json::Material, model: &MetallicRoughness) -> [f32; 3] {
+    let (Some(volume), Some(sheet)) = (&stated.extensions.volume, &model.transmission) else {
+        return [1.0; 3];
+    };
+    let way = match volume.attenuation_distance {
+        Some(distance) if distance > 0.0 => volume.thickness_factor.max(0.0) / distance,
+        _ => return [1.0; 3],
+    };
+    volume.attenuation_color.map(|color| {
+        let passing = deterministic_f64::pow(color.clamp(0.0, 1.0), way) as f32;
+        1.0 + (passing - 1.0) * sheet.factor
+    })
 }

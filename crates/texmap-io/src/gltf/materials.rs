@@ -8,7 +8,7 @@ use texmap_scene::{
 
 use super::images::{Use, Uses};
 use super::json::{self, TextureInfo};
-use super::layers::{lit, metallic_roughness};
+use super::layers::{attenuation, lit, metallic_roughness};
 use super::model::Model;
 use super::phong::phong;
 use super::slots::{Sets, slot};
@@ -162,10 +162,20 @@ fn material(
         ));
     }
     let described = model_of_light.clone().unwrap_or_default();
+    let inside = attenuation(stated, &described);
+    // Light passes surfaces that are blended.
+    let alpha = match alpha {
+        AlphaMode::Opaque if described.transmission.is_some() => AlphaMode::Blend,
+        alpha => alpha,
+    };
     Ok(Described {
         material: Material {
             name,
-            phong: phong([r, g, b], &described, None),
+            phong: phong(
+                [r * inside[0], g * inside[1], b * inside[2]],
+                &described,
+                None,
+            ),
             metallic_roughness: model_of_light,
             opacity: match (hidden, has_alpha) {
                 (true, _) => 0.0,
@@ -230,7 +240,10 @@ fn infos(stated: &json::Material) -> Vec<&TextureInfo> {
             s.sheen_roughness_texture.as_ref(),
         ]
     });
-    let layers = [specular, coat, sheen].into_iter().flatten().flatten();
+    let transmission = extensions.transmission.as_ref();
+    let transmission = transmission.map(|t| [t.transmission_texture.as_ref(), None]);
+    let layers = [specular, coat, sheen, transmission];
+    let layers = layers.into_iter().flatten().flatten();
     let first = own[0].into_iter();
     if extensions.unlit.is_some() {
         return first.collect();

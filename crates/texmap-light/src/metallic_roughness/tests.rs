@@ -123,6 +123,42 @@ fn layers_return_no_more_light_than_there_is() {
     }
 }
 
+/// White sheets lose no light: what they do not return they pass. What coloured ones pass is no more than what they keep back.
+#[test]
+fn sheets_return_or_pass_all_light() {
+    for roughness in [0.03, 0.3, 0.7, 1.0] {
+        for nv in [0.05, 0.3, 1.0] {
+            let sheet = |base_color: [f32; 3]| MetallicRoughnessSurface {
+                base_color,
+                transmission: Some(1.0),
+                ..surface(0.0, roughness)
+            };
+            let white = sheet([1.0; 3]);
+            let passing = |surface| Reflectance::new(surface).transmitted((nv, nv));
+            let all = furnace(&white, nv) + DVec3::splat(passing(&white));
+            assert!(
+                (all - DVec3::ONE).abs().max_element() < 0.01,
+                "{roughness} {nv}: {all}"
+            );
+            assert!(passing(&white) < 1.0 - f64::from(roughness) + 1e-6);
+            let red = sheet([0.9, 0.3, 0.0]);
+            let all = furnace(&red, nv) + DVec3::splat(passing(&red));
+            assert!(all.max_element() < 1.01, "{roughness} {nv}: {all}");
+            let opaque = MetallicRoughnessSurface {
+                transmission: None,
+                ..red
+            };
+            // A sheet is no darker than it would be without light from behind.
+            assert!((all - furnace(&opaque, nv)).min_element() > -0.01);
+        }
+    }
+    let metal = MetallicRoughnessSurface {
+        transmission: Some(1.0),
+        ..surface(1.0, 0.1)
+    };
+    assert_eq!(Reflectance::new(&metal).transmitted((0.5, 0.5)), 0.0);
+}
+
 #[test]
 fn eye_and_light_may_change_places() {
     let smooth = DVec3::new(0.1, -0.05, 1.0).normalize();
@@ -149,12 +185,16 @@ fn sun(light: DVec3) -> Light {
 fn lights_give_what_the_reference_says() {
     let smooth = DVec3::new(0.1, -0.05, 1.0).normalize();
     let mut worst = 0.0f64;
-    for layers in [false, true] {
+    for (layers, transmission) in [(false, None), (true, None), (true, Some(0.8))] {
         for (metallic, roughness) in [(0.0, 0.2), (0.4, 0.6), (1.0, 1.0), (1.0, 0.1)] {
             let surface = if layers {
                 layered(metallic, roughness)
             } else {
                 surface(metallic, roughness)
+            };
+            let surface = MetallicRoughnessSurface {
+                transmission,
+                ..surface
             };
             let reflectance = Reflectance::new(&surface);
             for k in 0..60 {
@@ -176,6 +216,10 @@ fn lights_give_what_the_reference_says() {
                     narrow(smooth),
                     narrow(v),
                 );
+                let passing = reflectance.transmitted((v.z, smooth.dot(v)));
+                let of_lanes = f64::from(ready.transmitted().unwrap_or(0.0));
+                assert!((of_lanes - passing).abs() < 0.01, "{of_lanes} {passing}");
+                assert_eq!(passing > 0.0, transmission.is_some() && metallic < 1.0);
                 let (got, lit) = ready.under_light(Scalar, &sun(l), [0.0; 3]);
                 assert!(lit);
                 let got = DVec3::from(got.map(f64::from));
@@ -217,7 +261,7 @@ fn lanes_have_the_bits_of_one_point() {
         all: &[[f32; 3]],
         first: usize,
         studio: &EnvironmentLight,
-    ) -> [[f32; 16]; 6] {
+    ) -> [[f32; 16]; 7] {
         let v = |k: usize| load(i, &all[k..], first);
         let share = |x: I::F32| x.abs().below(i.f32(1.0));
         let numbers = v(0);
@@ -227,6 +271,7 @@ fn lanes_have_the_bits_of_one_point() {
             roughness: share(numbers[1]),
             f0: splat(i, dielectric_f0(1.5, 1.0, [1.0; 3])),
             f90: i.f32(1.0),
+            transmission: Some(share(numbers[2])),
             clearcoat: Some(ClearcoatLanes {
                 factor: i.f32(0.5),
                 roughness: share(numbers[2]),
@@ -249,7 +294,8 @@ fn lanes_have_the_bits_of_one_point() {
         let indirect = ready.under_environment(i, studio, i.f32(0.5));
         let [a, b, c] = direct;
         let [d, e, f] = indirect;
-        columns(i, [a, b, c, d, e, f])
+        let passing = ready.transmitted().unwrap_or(i.f32(0.0));
+        columns(i, [a, b, c, d, e, f, passing])
     }
     fn check<I: Isa>(i: I, all: &[[f32; 3]], studio: &EnvironmentLight) {
         for first in (0..32).step_by(I::LANES) {

@@ -344,9 +344,7 @@ impl Reflectance {
     #[must_use]
     pub fn under_gathered(&self, (nv, cv): (f64, f64), light: &Gathered) -> DVec3 {
         let (base, [a, b]) = (self.terms(), self.base.curve.at(nv));
-        let metallic = f64::from(self.surface.metallic);
-        let color = wide(self.surface.base_color);
-        let diffuse = color * ((1.0 - metallic) * self.left(&base, [a, b]));
+        let diffuse = self.scattered() * self.left(&base, [a, b]);
         let again = base.more * (1.0 - a - b);
         let once = base.f0 * a + DVec3::splat(base.f90 * b);
         // Light at grazing incidence that is left, over that of even light.
@@ -368,10 +366,38 @@ impl Reflectance {
     #[must_use]
     pub fn under_irradiance(&self, (nv, cv): (f64, f64), irradiance: DVec3) -> DVec3 {
         let left = self.left(&self.terms(), self.base.curve.at(nv));
-        let metallic = f64::from(self.surface.metallic);
-        let base = irradiance * wide(self.surface.base_color) * ((1.0 - metallic) * left);
+        let base = irradiance * self.scattered() * left;
         // The layers take light, and give none back of it.
         self.layered((nv, cv), DVec3::ZERO, base, DVec3::ZERO)
+    }
+
+    /// Fraction of the light from behind that passes the surface towards the eye:
+    /// [`ReflectanceLanes::transmitted`](crate::lanes::ReflectanceLanes::transmitted). The cosines are those of
+    /// [`under_gathered`](Self::under_gathered).
+    #[must_use]
+    pub fn transmitted(&self, (nv, cv): (f64, f64)) -> f64 {
+        let metallic = f64::from(self.surface.metallic);
+        let left = self.left(&self.terms(), self.base.curve.at(nv));
+        let passing = DVec3::splat(self.passing() * (1.0 - metallic) * left);
+        // The layers take light, and add none.
+        self.layered((nv, cv), DVec3::ZERO, passing, DVec3::ZERO).x
+    }
+
+    /// The part of a base without reflection that light passes.
+    fn passing(&self) -> f64 {
+        let surface = &self.surface;
+        let mean = (wide(surface.base_color).element_sum() / 3.0).clamp(0.0, 1.0);
+        let smooth = 1.0 - f64::from(surface.roughness.max(MIN_ROUGHNESS));
+        surface
+            .transmission
+            .map_or(0.0, |t| mean * smooth * f64::from(t))
+    }
+
+    /// Colour of the diffuse base without reflection.
+    fn scattered(&self) -> DVec3 {
+        let surface = &self.surface;
+        let color = (wide(surface.base_color) - DVec3::splat(self.passing())).max(DVec3::ZERO);
+        color * (1.0 - f64::from(surface.metallic))
     }
 
     /// The light of the base under its layers.
@@ -452,8 +478,8 @@ impl Reflectance {
             base.more * (missing(nv) * missing(nl) / lost.max(MIN_SHARE.into()) * FRAC_1_PI);
         let left = |c: f64| self.left(&base, self.base.curve.at(c));
         let left_average = self.left(&base, self.base.average).max(MIN_SHARE.into());
-        let share = (1.0 - f64::from(surface.metallic)) * left(nv) * left(nl) / left_average;
-        once + again + wide(surface.base_color) * (share * FRAC_1_PI)
+        let share = left(nv) * left(nl) / left_average;
+        once + again + self.scattered() * (share * FRAC_1_PI)
     }
 }
 

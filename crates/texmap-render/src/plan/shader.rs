@@ -234,6 +234,7 @@ fn stages<'a>(
     out.push(Box::new(Compose {
         paired: paired.then_some(base),
         lit,
+        transmits: false,
         display: match surface.light {
             LightStage::None => Display::Clipped,
             // Finished colors are clipped at the vertices.
@@ -306,8 +307,12 @@ fn metallic<'a>(
         out.push(Box::new(paint));
     }
     let light_map = effects.and_then(|effects| effects.light_map.as_ref());
+    let blended = surface.material.alpha == AlphaMode::Blend;
+    let light = plan.environment_light;
+    let model = MetallicStage::new(model, sources.metallic, light, blended);
+    let transmits = model.transmits();
     out.push(Box::new(MetallicLight {
-        model: MetallicStage::new(model, sources.metallic, plan.environment_light),
+        model,
         paired: paired.then_some(base),
         lights,
         light_map: light_map.map(|(map, slot, uv)| (map.scale, slot, *uv)),
@@ -323,6 +328,7 @@ fn metallic<'a>(
     out.push(Box::new(Compose {
         paired: None,
         lit: false,
+        transmits,
         display: Display::new(plan.tone_mapping),
     }));
 }

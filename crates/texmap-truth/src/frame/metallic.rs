@@ -11,7 +11,7 @@ use texmap_light::{
     EnvironmentLight, Light, MIN_ROUGHNESS, MetallicRoughnessSurface, ReflectionLobes,
 };
 use texmap_math::glam::DVec3;
-use texmap_scene::{Mesh, MetallicRoughness, ProjectorMode, TextureSlot};
+use texmap_scene::{AlphaMode, Mesh, MetallicRoughness, ProjectorMode, TextureSlot};
 
 use super::color::wide;
 use super::lighting::{Point, arriving};
@@ -72,6 +72,7 @@ pub(super) struct Metal<'s> {
     specular_color: Option<Slot<'s>>,
     coat: [Option<Slot<'s>>; 2],
     sheen: [Option<Slot<'s>>; 2],
+    transmission: Option<Slot<'s>>,
 }
 
 impl<'s> Metal<'s> {
@@ -83,6 +84,7 @@ impl<'s> Metal<'s> {
         let mut slot = |slot: &'s TextureSlot| textures.slot(slot, mesh.uv_origin);
         let coat = model.clearcoat.as_ref();
         let sheen = model.sheen.as_ref();
+        let sheet = model.transmission.as_ref();
         Self {
             model,
             map: model.map.as_ref().map(&mut slot),
@@ -105,11 +107,17 @@ impl<'s> Metal<'s> {
                     .and_then(|sheen| sheen.roughness_map.as_ref())
                     .map(&mut slot),
             ],
+            transmission: sheet.and_then(|sheet| sheet.map.as_ref()).map(&mut slot),
         }
     }
 
-    /// The surface at a point, and the fraction of indirect light that reaches it.
-    fn surface(&self, at: &Point, base_color: DVec3) -> (MetallicRoughnessSurface, f64) {
+    /// The surface at a point, and the fraction of indirect light that reaches it. Light passes it where it is `blended`.
+    fn surface(
+        &self,
+        at: &Point,
+        base_color: DVec3,
+        blended: bool,
+    ) -> (MetallicRoughnessSurface, f64) {
         let model = self.model;
         let color = |slot: &Option<Slot<'_>>| {
             slot.as_ref()
@@ -130,6 +138,11 @@ impl<'s> Metal<'s> {
             roughness: (f64::from(model.roughness) * both.y) as f32,
             f0: narrow(f0.min(DVec3::ONE) * specular),
             f90: specular as f32,
+            transmission: model
+                .transmission
+                .as_ref()
+                .filter(|_| blended)
+                .map(|sheet| (f64::from(sheet.factor) * color(&self.transmission).x) as f32),
             clearcoat: model.clearcoat.as_ref().map(|coat| ClearcoatLanes {
                 factor: (f64::from(coat.factor) * color(&self.coat[0]).x) as f32,
                 roughness: (f64::from(coat.roughness) * color(&self.coat[1]).y) as f32,
@@ -145,16 +158,17 @@ impl<'s> Metal<'s> {
         (surface, share)
     }
 
-    /// The light that a point returns, not clipped.
+    /// The light that a point returns, not clipped, and the fraction of the light from behind that passes it.
     pub(super) fn light(
         &self,
         world: &World<'_>,
         surface: &Surface<'_>,
         at: &Point,
         base_color: DVec3,
-    ) -> DVec3 {
+    ) -> (DVec3, f64) {
         let material = surface.material();
-        let (numbers, share) = self.surface(at, base_color);
+        let blended = material.alpha == AlphaMode::Blend;
+        let (numbers, share) = self.surface(at, base_color, blended);
         let albedos = &world.albedos;
         let reflectance = Reflectance::of_albedos(
             &numbers,
@@ -214,7 +228,7 @@ impl<'s> Metal<'s> {
                 sum += part * picture;
             }
         }
-        sum
+        (sum, reflectance.transmitted(cosines))
     }
 }
 

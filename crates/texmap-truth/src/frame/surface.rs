@@ -205,19 +205,19 @@ impl<'s> Surface<'s> {
         let label = self.decal.as_ref().map(|slot| slot.texel(at.read(slot)));
         let opaque = |color: DVec3| color.min(DVec3::ONE).extend(1.0);
         let surface = wide(material.phong.color);
-        let (color, alpha) = match (texel, material.texture_role) {
+        let (color, alpha, passing) = match (texel, material.texture_role) {
             (Some(texel), TextureRole::Decal) => {
                 let texel = label.map_or(texel, |label| over(label, texel));
                 let texel = onto(world, self, at, texel);
                 if material.alpha == AlphaMode::Opaque {
                     let under = if texel.w < 1.0 {
-                        self.lit(world, at, hit, surface, true)
+                        self.lit(world, at, hit, surface, true).0
                     } else {
                         DVec3::ZERO
                     };
                     return opaque(texel.truncate() + under * (1.0 - texel.w));
                 }
-                (straight(texel).min(DVec3::ONE), texel.w)
+                (straight(texel).min(DVec3::ONE), texel.w, 0.0)
             }
             (texel, _) => {
                 let mut base = surface * texel.map_or(DVec3::ONE, straight);
@@ -230,14 +230,14 @@ impl<'s> Surface<'s> {
                     base = label.truncate() + base * (1.0 - label.w);
                 }
                 let varies = texel.is_some() || self.solid.is_some() || label.is_some();
-                let color = self.lit(world, at, hit, base, varies);
-                (color, texel.map_or(1.0, |texel| texel.w))
+                let (color, passing) = self.lit(world, at, hit, base, varies);
+                (color, texel.map_or(1.0, |texel| texel.w), passing)
             }
         };
         match material.alpha {
             AlphaMode::Blend => {
                 let alpha = alpha * self.opacity(|slot| at.read(slot));
-                (color * alpha).extend(alpha)
+                (color * alpha).extend(alpha * (1.0 - passing))
             }
             _ => opaque(color),
         }
@@ -257,8 +257,16 @@ impl<'s> Surface<'s> {
         texel
     }
 
-    /// A base colour under the scene's light, as display light. `varies` tells that it is not the same at all vertices.
-    fn lit(&self, world: &World<'_>, at: &Point, hit: &Hit, base: DVec3, varies: bool) -> DVec3 {
+    /// A base colour under the scene's light, as display light, and the fraction of the light from behind that passes. `varies` tells that
+    /// the colour is not the same at all vertices.
+    fn lit(
+        &self,
+        world: &World<'_>,
+        at: &Point,
+        hit: &Hit,
+        base: DVec3,
+        varies: bool,
+    ) -> (DVec3, f64) {
         let material = self.material();
         let vertices = self.mesh.triangles[at.owner.1 as usize];
         let tint = |vertex: u32| {
@@ -284,16 +292,22 @@ impl<'s> Surface<'s> {
             terms
         };
         match material.shading {
-            Shading::Unlit => (base * mix(vertices.map(tint)) + emitted).min(DVec3::ONE),
+            Shading::Unlit => {
+                let color = base * mix(vertices.map(tint)) + emitted;
+                (color.min(DVec3::ONE), 0.0)
+            }
             Shading::PerPixel => {
                 let paint = paint(world, at);
                 let base = base * mix(vertices.map(tint));
                 let base = paint.truncate() + base * (1.0 - paint.w);
-                let light = match &self.metal {
-                    Some(metal) => metal.light(world, self, at, base) + emitted,
-                    None => finished(terms(world, self, at)).color(base),
+                let (light, passing) = match &self.metal {
+                    Some(metal) => {
+                        let (light, passing) = metal.light(world, self, at, base);
+                        (light + emitted, passing)
+                    }
+                    None => (finished(terms(world, self, at)).color(base), 0.0),
                 };
-                world.display(light)
+                (world.display(light), passing)
             }
             Shading::PerVertex => {
                 let light = vertices.map(|vertex| self.vertex_terms(world, vertex, at.front));
@@ -303,12 +317,12 @@ impl<'s> Surface<'s> {
                         diffuse: mix(tinted),
                         specular: mix(light.map(|terms| terms.specular)),
                     };
-                    return finished(terms).color(base).min(DVec3::ONE);
+                    return (finished(terms).color(base).min(DVec3::ONE), 0.0);
                 }
                 // A term that does not vary is finished, and clipped, at the vertices.
                 let color = |k: usize| light[k].color(base * tint(vertices[k])).min(DVec3::ONE);
                 let color = mix([0, 1, 2].map(color));
-                (color + emitted).min(DVec3::ONE)
+                ((color + emitted).min(DVec3::ONE), 0.0)
             }
         }
     }

@@ -209,7 +209,7 @@ fn optional_extensions_are_one_warning() {
         );
     let scene = small(&glass, &triangle_bytes()).expect("a triangle");
     assert!(
-        scene.warnings[0].contains("KHR_materials_volume: surfaces are drawn without their inside"),
+        scene.warnings[0].contains("KHR_materials_volume: light is coloured at the surface"),
         "{:?}",
         scene.warnings
     );

@@ -6,7 +6,7 @@ use texmap_raster::Cull;
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{AlphaMode, Material, NormalDetail, Scene, Shading, TextureSlot, UvSet};
 
-use super::{asset, read, read_with};
+use super::{TRIANGLE, asset, read, read_with, small, triangle_bytes};
 
 fn material<'s>(scene: &'s Scene, name: &str) -> &'s Material {
     scene
@@ -347,4 +347,43 @@ fn a_webp_comes_before_the_picture_for_others() {
     );
     let red = texture.texel(0, 0, 0).expect("a texel");
     assert!(red[0] > 0.6 && red[1] < 0.1, "{red:?}");
+}
+
+/// Glass is blended, whatever its alpha; a metal and a factor of 0 are opaque. The inside colours the light that passes.
+#[test]
+fn glass_is_a_sheet_that_light_passes() {
+    let glass = |(metallic, pbr): (u8, &str), factor: f32, volume: &str, more: &str| {
+        let json = TRIANGLE
+            .replace(r#""indices":1"#, r#""indices":1,"material":0"#)
+            .replace(
+                r#""nodes""#,
+                &format!(
+                    r#""materials":[{{"pbrMetallicRoughness":{{"metallicFactor":{metallic}{pbr}}},"extensions":{{
+                    "KHR_materials_transmission":{{"transmissionFactor":{factor}}},"KHR_materials_volume":{{{volume}}}}}{more}}}],"nodes""#
+                ),
+            );
+        let scene = small(&json, &triangle_bytes()).unwrap_or_else(|e| panic!("{e}"));
+        scene.materials[0].clone()
+    };
+    let model = |material: &Material| material.metallic_roughness.clone().expect("a model");
+    let clear = glass((0, r#","baseColorFactor":[0.5,1,1,0.25]"#), 0.75, "", "");
+    assert_eq!((clear.alpha, clear.opacity), (AlphaMode::Blend, 1.0));
+    assert_eq!(clear.phong.color, [0.5, 1.0, 1.0]);
+    assert_eq!(model(&clear).transmission.map(|t| t.factor), Some(0.75));
+    // Twice the distance after which a quarter of red is left.
+    let inside = r#""thicknessFactor":2,"attenuationDistance":1,"attenuationColor":[0.25,1,1]"#;
+    let coloured = glass((0, ""), 1.0, inside, "");
+    assert!((coloured.phong.color[0] - 0.0625).abs() < 1e-6);
+    assert_eq!(coloured.phong.color[1..], [1.0, 1.0]);
+    let half = glass((0, ""), 0.5, inside, "");
+    assert!((half.phong.color[0] - 0.53125).abs() < 1e-6);
+    for (metallic, factor) in [(0, 0.0), (1, 1.0)] {
+        let opaque = glass((metallic, ""), factor, inside, "");
+        assert_eq!(opaque.alpha, AlphaMode::Opaque, "{metallic} {factor}");
+        assert!(model(&opaque).transmission.is_none());
+        assert_eq!(opaque.phong.color, [1.0; 3]);
+    }
+    // Holes stay holes.
+    let mask = glass((0, ""), 1.0, "", r#","alphaMode":"MASK""#);
+    assert_eq!(mask.alpha, AlphaMode::Test(0.5));
 }
