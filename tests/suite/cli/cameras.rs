@@ -171,6 +171,52 @@ fn a_turntable_is_a_series_or_an_animation() {
     );
 }
 
+/// Pictures of an animation are those of their times. The automatic camera stands still and shows every pose.
+#[test]
+fn an_animation_is_a_series_of_poses() {
+    let desk = Desk::new();
+    let bent = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/gltf/bent.glb");
+    desk.put("bent.glb", std::fs::read(bent).unwrap());
+    let small = "bent.glb --resolution 60x40 --json";
+    let hashes = |flags: &str| {
+        let run = desk.texmap(&format!("render {small} {flags}")).ok();
+        let items = run.json()["items"].as_array().unwrap().clone();
+        let hash = |item: &serde_json::Value| item["pixel_hash"].as_str().unwrap().to_owned();
+        items.iter().map(hash).collect::<Vec<_>>()
+    };
+    let eye = "--camera-eye 3,2,5 --camera-look 0,1,0 --ground-shadow";
+    let series = hashes(&format!("--time 0.5 --frames 3 --rate 2 -o s%d.png {eye}"));
+    assert_eq!(series.len(), 3);
+    for (number, time) in ["0.5", "1", "1.5"].into_iter().enumerate() {
+        let single = hashes(&format!("--time {time} -o t.png {eye}"));
+        assert_eq!(single, series[number..=number], "{time}");
+    }
+    assert_ne!(series[0], series[1]);
+    // Of another animation.
+    let jump = hashes(&format!(
+        "--animation jump --frames 3 --rate 2 -o j%d.png {eye}"
+    ));
+    assert!(jump.iter().all(|hash| !series.contains(hash)));
+    // The poses of a GIF are those of a series, seen from one place, and none is cut.
+    let run = desk.texmap(&format!("render {small} --frames 4 --rate 2 -o a.gif"));
+    let report = run.ok().json();
+    let cameras = report["items"][0]["cameras"].as_array().unwrap().clone();
+    assert_eq!(cameras.len(), 4);
+    assert!(cameras.iter().all(|c| c["eye"] == cameras[0]["eye"]));
+    hashes("--frames 4 --rate 2 -o a%d.png --background transparent");
+    let mut highest = 40;
+    for number in 0..4 {
+        let picture = desk.picture(&format!("a{number}.png"));
+        let drawn = picture.enumerate_pixels().filter(|(.., p)| p[3] > 0);
+        let (x, y): (Vec<u32>, Vec<u32>) = drawn.map(|(x, y, _)| (x, y)).unzip();
+        assert!(!x.contains(&0) && !x.contains(&59) && !y.contains(&0) && !y.contains(&39));
+        highest = highest.min(*y.iter().min().unwrap());
+    }
+    assert!(highest < 4, "some pose fills the picture: {highest}");
+    desk.refused("render m.obj --frames 3 -o x%d.png", 2, "no animation");
+    desk.refused("render bent.glb --frames 3 -o x.png", 2, "%");
+}
+
 #[test]
 fn views_are_a_sheet_or_a_picture_each() {
     let desk = Desk::new();

@@ -5,6 +5,8 @@
 //! vertices that is `ez >= (A + B) / 2t`, and at the least `ez` the eye is at `ex = (A - B) / 2`. The same holds for y; the larger `ez`
 //! serves both.
 
+use std::borrow::Borrow;
+
 use texmap_math::camera::{Camera, Lens};
 use texmap_math::deterministic_f64;
 use texmap_math::glam::{DMat3, DVec3};
@@ -131,17 +133,23 @@ fn axes(back: DVec3, up: DVec3) -> DMat3 {
     DMat3::from_cols(right, back.cross(right), back)
 }
 
-pub(super) fn whole(
-    scene: &Scene,
+/// A camera that shows the whole of each scene.
+pub(super) fn whole<E>(
+    scenes: impl IntoIterator<Item = Result<impl Borrow<Scene>, E>>,
     framing: &Framing,
     back: DVec3,
     up: DVec3,
     aspect: f64,
-) -> Option<Camera> {
+) -> Result<Option<Camera>, E> {
     let (axes, share) = (axes(back, up), share(framing, aspect));
     let into = axes.transpose();
-    let extent = Extent::of(scene, |extent, p| extent.add(into * p, share));
-    extent.camera(framing, &axes, share, aspect)
+    let mut all = Extent::EMPTY;
+    for scene in scenes {
+        let scene = scene?;
+        let extent = Extent::of(scene.borrow(), |extent, p| extent.add(into * p, share));
+        all = all.and(extent);
+    }
+    Ok(all.camera(framing, &axes, share, aspect))
 }
 
 pub(super) fn turntable(

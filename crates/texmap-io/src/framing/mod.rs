@@ -6,6 +6,8 @@ mod fit;
 mod model_light;
 mod studio;
 
+use std::borrow::Borrow;
+use std::convert::Infallible;
 use std::str::FromStr;
 
 use texmap_light::Light;
@@ -164,8 +166,21 @@ impl Framing {
     /// The camera for a picture of `aspect` = width / height; `None` for a scene without triangles.
     #[must_use]
     pub fn camera(&self, scene: &Scene, aspect: f64) -> Option<Camera> {
+        self.camera_over([Ok::<_, Infallible>(scene)], aspect)
+            .unwrap_or_else(|never| match never {})
+    }
+
+    /// The camera that shows the whole of a model in each of its poses; `None` for scenes without triangles.
+    ///
+    /// # Errors
+    /// The first of the poses.
+    pub fn camera_over<E>(
+        &self,
+        poses: impl IntoIterator<Item = Result<impl Borrow<Scene>, E>>,
+        aspect: f64,
+    ) -> Result<Option<Camera>, E> {
         let back = self.view.direction(self.up);
-        fit::whole(scene, self, back, self.view.up(self.up), aspect)
+        fit::whole(poses, self, back, self.view.up(self.up), aspect)
     }
 
     /// The cameras of `frames` pictures around the model, counter-clockwise seen from above, the first from the side of the view:

@@ -20,7 +20,6 @@ use crate::values::{self, Triple};
 /// Position and direction of the camera, and the number of pictures.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Camera")]
-#[command(group = clap::ArgGroup::new("paths").args(["path", "light_path"]).multiple(true))]
 pub(crate) struct CameraArgs {
     /// The camera of a glTF model, by its name or number (`texmap info` lists them) [default: one that shows the whole model]
     #[arg(long = "camera", value_name = "NAME|N", conflicts_with_all = ["view", "views", "cameras", "path", "turntable"])]
@@ -89,10 +88,10 @@ pub(crate) struct CameraArgs {
     /// The light of --light-path, by its name or number [default: the last of the scene]
     #[arg(long, value_name = "NAME|N", requires = "light_path")]
     pub(crate) light: Option<String>,
-    /// Pictures along the paths, numbered from 0
-    #[arg(long, value_name = "N", requires = "paths", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    /// Pictures along the paths, numbered from 0; without a path, through the animation of a glTF model from --time on
+    #[arg(long, value_name = "N", conflicts_with_all = ["views", "turntable", "cameras"], value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) frames: Option<u32>,
-    /// Pictures a second of a GIF or APNG
+    /// Pictures a second of a GIF or APNG, and of the animation of a model
     #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = rate)]
     pub(crate) rate: f64,
 }
@@ -171,6 +170,8 @@ pub(crate) struct Shot {
     pub(crate) camera: Camera,
     /// The light that moves, where it stands.
     pub(crate) light: Option<Light>,
+    /// Seconds into the animation that is drawn.
+    pub(crate) time: Option<f64>,
 }
 
 impl CameraArgs {
@@ -207,6 +208,14 @@ impl CameraArgs {
             || self.path.is_some()
     }
 
+    /// Seconds into the animation, picture by picture, if a model moves from picture to picture. The first is at `start`.
+    pub(crate) fn times(&self, start: f64) -> Option<impl Iterator<Item = f64> + Clone> {
+        let stands = self.path.is_none() && self.light_path.is_none();
+        let frames = self.frames.filter(|_| stands)?;
+        let rate = self.rate;
+        Some((0..frames).map(move |i| start + f64::from(i) / rate))
+    }
+
     /// The automatic camera of a model.
     pub(crate) fn framing(&self, input: &Path) -> Framing {
         Framing {
@@ -238,6 +247,7 @@ pub(crate) fn shots(
     input: &Path,
     scene: &Scene,
     files: &CameraFiles,
+    posed: impl Fn(f64) -> Result<Scene, Failure>,
 ) -> Result<Vec<Shot>, Failure> {
     let (camera, size) = (&args.camera, args.resolution);
     let aspect = f64::from(size.width) / f64::from(size.height);
@@ -246,6 +256,11 @@ pub(crate) fn shots(
         name: None,
         camera,
         light: None,
+        time: None,
+    };
+    let start = || match camera.view {
+        Some(_) => framing.camera(scene, aspect).unwrap_or(scene.camera),
+        None => scene.camera,
     };
     let empty = || {
         let why = "--view, --views and --turntable frame what is there";
@@ -256,6 +271,21 @@ pub(crate) fn shots(
             why,
         )
     };
+    if let Some(times) = camera.times(args.time.unwrap_or(0.0)) {
+        // Named cameras may move: each picture has that of its pose.
+        let start = match camera.named {
+            Some(_) => scene.camera,
+            None => framing
+                .camera_over(times.clone().map(posed), aspect)?
+                .ok_or_else(empty)?,
+        };
+        let camera = single(args, input, scene, start)?;
+        let shot = |time| Shot {
+            time: Some(time),
+            ..unnamed(camera)
+        };
+        return Ok(times.map(shot).collect());
+    }
     if let Some(frames) = camera.frames {
         let light = match &files.light {
             Some(path) => Some((path, moving(camera, scene)?)),
@@ -263,7 +293,7 @@ pub(crate) fn shots(
         };
         let standing = match files.walk {
             Some(_) => scene.camera,
-            None => single(args, input, scene, framing, aspect)?,
+            None => single(args, input, scene, start())?,
         };
         let shot = |i| Shot {
             light: light.and_then(|(path, light)| path.light(&scene.lights[light], i, frames)),
@@ -279,8 +309,7 @@ pub(crate) fn shots(
         let cameras = list.cameras(&base, size.width, size.height)?;
         let shot = |c: texmap_io::NamedCamera| Shot {
             name: c.name,
-            camera: c.camera,
-            light: None,
+            ..unnamed(c.camera)
         };
         return Ok(cameras.into_iter().map(shot).collect());
     }
@@ -297,15 +326,15 @@ pub(crate) fn shots(
                 view: *view,
                 ..framing
             };
+            let camera = framing.camera(scene, aspect).ok_or_else(empty)?;
             Ok(Shot {
                 name: Some(view.name().to_owned()),
-                camera: framing.camera(scene, aspect).ok_or_else(empty)?,
-                light: None,
+                ..unnamed(camera)
             })
         };
         return camera.views.iter().map(shot).collect();
     }
-    single(args, input, scene, framing, aspect).map(|camera| vec![unnamed(camera)])
+    single(args, input, scene, start()).map(|camera| vec![unnamed(camera)])
 }
 
 /// The index of the light that moves.
@@ -333,19 +362,14 @@ pub(crate) fn moving(flags: &CameraArgs, scene: &Scene) -> Result<usize, Failure
     })
 }
 
-/// The camera of the only picture.
-fn single(
+/// The camera of a picture: `camera` with what the command line says of it.
+pub(crate) fn single(
     args: &RenderArgs,
     input: &Path,
     scene: &Scene,
-    framing: Framing,
-    aspect: f64,
+    mut camera: Camera,
 ) -> Result<Camera, Failure> {
     let flags = &args.camera;
-    let mut camera = match flags.view {
-        Some(_) => framing.camera(scene, aspect).unwrap_or(scene.camera),
-        None => scene.camera,
-    };
     let mut placed = false;
     for (point, flag) in [
         (&mut camera.eye, flags.camera_eye),
@@ -429,6 +453,12 @@ fn parallel(scene: &Scene, camera: Camera) -> Camera {
 pub(crate) fn is_scene(input: &Path) -> bool {
     let ending = input.extension().and_then(|e| e.to_str());
     ending.is_some_and(|e| e.eq_ignore_ascii_case("scene"))
+}
+
+/// True for the formats of models that move.
+pub(crate) fn is_animated(input: &Path) -> bool {
+    let ending = input.extension().and_then(|e| e.to_str());
+    ending.is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"))
 }
 
 #[cfg(test)]

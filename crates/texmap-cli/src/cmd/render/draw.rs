@@ -21,7 +21,7 @@ use texmap_truth::verify::{Verified, verify, with_wrap};
 
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
-use crate::cmd::render::camera::Shot;
+use crate::cmd::render::camera::{Shot, single};
 use crate::cmd::render::plan::{Item, array_name, heat_name, rays_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, ItemReport, SceneReport, TimesReport, milliseconds,
@@ -42,6 +42,8 @@ pub(super) struct Context<'a> {
     pub(super) placed: bool,
     /// Milliseconds that loading took.
     pub(super) load: f64,
+    /// The model at a time of its animation, dressed and lit.
+    pub(super) posed: &'a dyn Fn(f64) -> Result<Scene, Failure>,
     /// The light that moves from picture to picture.
     pub(super) moving: Option<MovingLight>,
     /// Warnings printed so far: the frames of a walk repeat them.
@@ -49,8 +51,16 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Puts the camera, and the light that moves, where they stand in a picture.
+    /// Puts the camera, the light that moves and the model where they stand in a picture.
     pub(super) fn set(&self, scene: &mut Scene, shot: &Shot) -> Result<(), Failure> {
+        if let Some(time) = shot.time {
+            *scene = (self.posed)(time)?;
+            if self.args.camera.named.is_some() {
+                let file = &self.item.input;
+                scene.camera = single(self.args, file, scene, scene.camera)?;
+                return Ok(());
+            }
+        }
         scene.camera = shot.camera;
         match (&self.moving, shot.light) {
             (Some(moving), Some(light)) => moving.place(scene, light).map_err(|e| self.refused(e)),

@@ -13,7 +13,7 @@ use texmap_scene::{Scene, SceneError};
 
 use crate::cmd::bake::{GUTTER, PCF_SIZE, SHADOW_SIZE};
 use crate::cmd::render::RenderArgs;
-use crate::cmd::render::camera::{CameraFiles, is_scene, moving, shots};
+use crate::cmd::render::camera::{CameraFiles, is_animated, is_scene, moving, shots};
 use crate::cmd::render::draw::Context;
 use crate::cmd::render::light::Lit;
 use crate::cmd::render::plan::{Item, Kind};
@@ -37,14 +37,7 @@ pub(crate) fn item(
     // The files of this input alone.
     let files = &files.clone().recording();
     let options = options(args, file, files);
-    let kept = scene_file || args.budget().is_some();
     let rootless = file != item.input && args.root.folder().is_none();
-    let mut scene = load(file, rootless, &options)?;
-    if let Some(Background::Color(color)) = args.background {
-        scene.background = color;
-    }
-    args.light.shade(&mut scene, kept);
-    args.look.dress(&mut scene)?;
     let floats = item.pictures().into_iter().any(|path| {
         matches!(
             PictureFormat::of(path),
@@ -58,11 +51,29 @@ pub(crate) fn item(
         behind: args.background == Some(Background::Env),
         up,
     };
-    args.light.light(&mut scene, &lit)?;
+    if args.camera.times(0.0).is_some() && !is_animated(file) {
+        return Err(Failure::usage(
+            format!("--frames: {} has no animation", item.input.display()),
+            "give the pictures a --path or a --light-path, or --turntable N instead of --frames",
+        ));
+    }
+    let prepared = |options: &LoadOptions| prepared(args, file, rootless, options, &lit);
+    let mut scene = prepared(&options)?;
     // No picture replaces what it is made of.
     distinct(item.outputs(args)?, files.recorded())?;
     observe::read(files.recorded());
     let load = milliseconds(began.elapsed());
+    let posed = |time| {
+        let options = LoadOptions {
+            time: Some(time),
+            ..options.clone()
+        };
+        let mut scene = prepared(&options)?;
+        if args.light.ground_shadow && !args.dry_run {
+            ground(&mut scene, up).map_err(|e| refused_pose(item, e))?;
+        }
+        Ok(scene)
+    };
     let sampled = args.supersample.is_some() || args.budget().is_some();
     let context = Context {
         args,
@@ -75,6 +86,7 @@ pub(crate) fn item(
         },
         placed: !scene_file && args.camera.is_placed(),
         load,
+        posed: &posed,
         moving: match args.camera.light_path {
             Some(_) => {
                 let light = moving(&args.camera, &scene)?;
@@ -85,7 +97,7 @@ pub(crate) fn item(
         },
         told: RefCell::default(),
     };
-    let shots = shots(args, file, &scene, cameras)?;
+    let shots = shots(args, file, &scene, cameras, posed)?;
     if args.light.ground_shadow && !args.dry_run {
         ground(&mut scene, up).map_err(|e| context.refused(e))?;
     }
@@ -131,6 +143,30 @@ pub(crate) fn item(
             pictures.collect()
         }
     }
+}
+
+/// The scene or model of a file as it is drawn: dressed and lit.
+fn prepared(
+    args: &RenderArgs,
+    file: &Path,
+    rootless: bool,
+    options: &LoadOptions,
+    lit: &Lit,
+) -> Result<Scene, Failure> {
+    let kept = lit.scene_file || args.budget().is_some();
+    let mut scene = load(file, rootless, options)?;
+    if let Some(Background::Color(color)) = args.background {
+        scene.background = color;
+    }
+    args.light.shade(&mut scene, kept);
+    args.look.dress(&mut scene)?;
+    args.light.light(&mut scene, lit)?;
+    Ok(scene)
+}
+
+fn refused_pose(item: &Item, error: Refusal) -> Failure {
+    let place = item.input.display().to_string();
+    Failure::of_render(error, Some(&place), "give another --time")
 }
 
 fn refused_map(error: texmap_render::RenderError) -> Failure {

@@ -194,6 +194,7 @@ const EXAMPLES: &str = "\
 A first look:       texmap render model.obj -o model.png
 From all sides:     texmap render model.obj --views front,right,top,iso -o sheet.png
 A turntable:        texmap render model.obj --turntable 48 -o spin.gif
+An animation:       texmap render model.glb --frames 50 -o walk.gif
 A folder of models: texmap render *.obj -o 'out/{model}.jpg' --resolution 512x512
 Linear light:       texmap render room.scene --aov depth,normal -o room.exr
 Calibrated cameras: texmap render model.obj --cameras poses.json -o view-%02d.png

@@ -273,7 +273,7 @@ pub(crate) fn kind(
         )),
         (None, _) if placed => Err(Failure::usage(
             format!("{text}: a numbered name without --frames, --turntable, --cameras or --views"),
-            "add --turntable N, or --path CAMERA.json --frames N",
+            "add --turntable N, --path CAMERA.json --frames N, or --frames N for the animation of a glTF model",
         )),
         (None, _) => Ok(Kind::Single),
     }
