@@ -22,6 +22,8 @@ pub struct Buffer {
     /// magnitude that the colours of the image or the array hold.
     pub peak: f64,
     values: Values,
+    /// Lengths of an array's axes.
+    axes: Vec<usize>,
 }
 
 /// The difference of two buffers.
@@ -81,11 +83,18 @@ impl Buffer {
             },
             peak: 1.0,
             values: Values::Image(image.texels),
+            axes: Vec::new(),
         };
         if this.meaning() == Meaning::Light {
             this.peak = this.largest((0..this.len()).filter(|i| i % 4 != 3));
         }
         Ok(this)
+    }
+
+    /// The lengths of the axes of an array, the first of which [`shape`](Self::shape) has as rows; empty for an image.
+    #[must_use]
+    pub fn axes(&self) -> &[usize] {
+        &self.axes
     }
 
     /// The meaning of the values.
@@ -118,6 +127,7 @@ impl Buffer {
             },
             peak: 1.0,
             values: Values::Image(Depth::U8(rgba)),
+            axes: Vec::new(),
         })
     }
 
@@ -150,6 +160,7 @@ impl Buffer {
             shape,
             peak: 0.0,
             values: Values::Array(array.data),
+            axes: array.shape,
         };
         this.peak = this.largest(0..this.len());
         this

@@ -120,7 +120,7 @@ fn lost_maps_and_libraries_have_stand_ins() {
     assert_eq!(draw("--strict").code, 4);
     // Warnings that begin with the model name it once.
     desk.put("line.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nf 1 2 3\n");
-    let line = "line.obj: 1 lines and points are not drawn";
+    let line = "line.obj: a line or point is not drawn";
     let run = desk
         .texmap("render line.obj --resolution 32x24 -o b.png")
         .ok();

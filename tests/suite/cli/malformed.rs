@@ -471,7 +471,16 @@ fn wrong_command_lines_end_with_two_and_say_what_is_allowed() {
         ("render room.scene -o out.png --views inside", "front"),
         ("render room.scene -o out.png --level mmx", "sse2"),
         ("render room.scene -o out.png --threads 0", "threads"),
-        ("render room.scene -o out.png --frames 3", "--path"),
+        ("render room.scene -o out%04d.png --frames 3", "--path"),
+        (
+            "bake room.scene --light --object all --size 8 -o o.png --shadow-taps 2",
+            "odd",
+        ),
+        ("uv cube.obj -o - --map box --json", "do not go together"),
+        (
+            "uv cube.obj -o - --map box --tangents -",
+            "do not go together",
+        ),
         (
             "render room.scene -o out.png --path w.json --frames 3",
             "%04d",

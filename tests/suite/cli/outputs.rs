@@ -228,3 +228,44 @@ fn a_full_standard_output_is_an_error_and_a_closed_one_is_not() {
         assert!(!words.contains("error"), "{arguments}: {words}");
     }
 }
+
+/// A picture that cannot be written leaves the mesh and its tangents as they were.
+#[test]
+fn coordinates_and_their_pictures_are_written_together() {
+    let desk = Desk::new();
+    desk.put("x.obj", "old");
+    std::fs::create_dir_all(desk.path("pictures/layout.png")).unwrap();
+    let run = desk.texmap("uv m.obj --map sphere -o x.obj --tangents x.npy --pictures pictures");
+    assert_eq!(run.code, 4, "{}", run.stderr);
+    assert_eq!(desk.read("x.obj"), b"old");
+    assert!(!desk.path("x.npy").exists());
+}
+
+/// Arrays of other shapes differ, whatever their values; a file of a list that is lost fails alone.
+#[test]
+fn shapes_are_compared_and_lost_files_fail_alone() {
+    let desk = Desk::new();
+    let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
+    for (name, shape) in [
+        ("a.npy", &[2, 3, 2, 2][..]),
+        ("b.npy", &[6, 2, 2]),
+        ("c.npy", &[2, 1, 3, 2, 2]),
+    ] {
+        let values = texmap_io::npy::Values::F32(&values);
+        texmap_io::npy::write(&desk.path(name), shape, values).unwrap();
+    }
+    let run = desk.texmap("diff a.npy b.npy");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("(2, 3, 2, 2)"), "{}", run.stderr);
+    desk.texmap("diff a.npy c.npy").ok();
+    let hashes = desk.texmap("hash check.png a.npy").ok().stdout;
+    let hashes = String::from_utf8(hashes).unwrap();
+    desk.put("list", format!("fnv1a-128:0  gone.png\n{hashes}"));
+    let run = desk.texmap("hash --check list");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let text = String::from_utf8(run.stdout).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 3, "{text}");
+    assert!(lines[0].starts_with("FAIL  gone.png") && lines[0].contains("no such file"));
+    assert_eq!(lines[1..], ["PASS  check.png", "PASS  a.npy"]);
+}

@@ -1,5 +1,6 @@
 //! `texmap bake`: the light on a mesh as a light map.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
@@ -46,7 +47,7 @@ pub(crate) struct BakeArgs {
     #[arg(long, value_name = "N", default_value_t = SHADOW_SIZE, value_parser = clap::value_parser!(u32).range(0..=16_384))]
     shadow_size: u32,
     /// Comparisons a side of the shadow filter, odd. Its bias is that of a `shadow` line that names none
-    #[arg(long, value_name = "K", default_value_t = PCF_SIZE, value_parser = clap::value_parser!(u32).range(1..=15))]
+    #[arg(long, value_name = "K", default_value_t = PCF_SIZE, value_parser = taps)]
     shadow_taps: u32,
     /// Leave this light out, by its name or number: one that moves (`texmap render --light-path`). Several times for several
     #[arg(long, value_name = "LIGHT")]
@@ -68,6 +69,13 @@ pub(crate) const GUTTER: u32 = 2;
 
 /// Placeholder of a mesh name in the name of an output.
 const OBJECT: &str = "{object}";
+
+fn taps(text: &str) -> Result<u32, String> {
+    let number = text.parse::<u32>().ok();
+    number
+        .filter(|n| n % 2 == 1 && *n <= 15)
+        .ok_or_else(|| "expected an odd number, 1 to 15".to_owned())
+}
 
 pub(crate) fn run(args: &BakeArgs) -> Result<Exit, Failure> {
     one_stdout(args.json, &args.output)?;
@@ -172,13 +180,25 @@ pub(crate) fn objects(args: &BakeArgs) -> Result<Vec<String>, Failure> {
     let scene = load(&args.scene, &options)?;
     let scene = texmap_mesh::tessellate(&scene, args.size).map_err(refused)?;
     let meshes = find(&scene, &args.object)?;
-    // Pages are told apart by the names of their files.
+    // Pages are told apart by the names of their files, each of which is named alone.
+    let mut files = BTreeSet::new();
     outputs(args, &scene, &meshes)?;
+    for mesh in &meshes {
+        if !files.insert(outputs(args, &scene, &[*mesh])?) {
+            let name = &scene.meshes[*mesh].name;
+            return Err(Failure::usage(
+                format!("the page of `{name}` would have the file of another object"),
+                "give the objects names that differ in letters and digits (`name` lines of a scene, `o` lines of a model), or bake without --unit page",
+            ));
+        }
+    }
     Ok(meshes
         .iter()
         .map(|mesh| scene.meshes[*mesh].name.clone())
         .collect())
 }
+
+const NO_COORDINATES: &str = "light maps lie on coordinates: give the faces some (`tf`, `lightmapuv`), or the model (`texmap uv`)";
 
 /// True if the mesh has coordinates for a light map.
 fn has_coordinates(mesh: &Mesh) -> bool {
@@ -202,12 +222,18 @@ fn find(scene: &Scene, name: &str) -> Result<Vec<usize>, Failure> {
         false => exact,
     };
     match found[..] {
+        [mesh] if !has_coordinates(&scene.meshes[mesh]) => Err(Failure::new(
+            Exit::Input,
+            "render-missing-uv",
+            format!("--object {name}: the mesh has no texture coordinates"),
+            NO_COORDINATES,
+        )),
         [_] => Ok(found),
         [] if all => Err(Failure::new(
             Exit::Input,
             "render-missing-uv",
             "--object all: no mesh has texture coordinates",
-            "light maps lie on coordinates: give the faces some (`tf`, `lightmapuv`), or the model (`texmap uv`)",
+            NO_COORDINATES,
         )),
         [] => {
             let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();

@@ -217,6 +217,29 @@ fn comparable(args: &DiffArgs, expected: &Buffer, actual: &Buffer) -> Result<(),
             format!("{} is {}, {} is {}", names.0, size(e), names.1, size(a)),
         ));
     }
+    // An axis of one tells nothing apart.
+    let long = |buffer: &Buffer| -> Vec<usize> {
+        let axes = buffer.axes().iter().copied();
+        axes.filter(|length| *length != 1).collect()
+    };
+    if long(expected) != long(actual) {
+        let axes = |buffer: &Buffer| {
+            let axes: Vec<String> = buffer.axes().iter().map(usize::to_string).collect();
+            format!("({})", axes.join(", "))
+        };
+        return Err(Failure::new(
+            Exit::Differs,
+            "size",
+            "the arrays differ in shape",
+            format!(
+                "{} is {}, {} is {}",
+                names.0,
+                axes(expected),
+                names.1,
+                axes(actual)
+            ),
+        ));
+    }
     let holds = |meaning| match meaning {
         Meaning::Codes => Some("sRGB codes"),
         Meaning::Light => Some("linear light"),

@@ -29,9 +29,13 @@ pub(crate) struct HashArgs {
 #[derive(Serialize)]
 struct Hashed {
     file: String,
-    pixel_hash: String,
+    /// None for a file of a list that cannot be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pixel_hash: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pass: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<String>,
 }
 
 pub(crate) fn run(args: &HashArgs) -> Result<Exit, Failure> {
@@ -46,16 +50,15 @@ pub(crate) fn run(args: &HashArgs) -> Result<Exit, Failure> {
     if args.json {
         failure::print_json(&results)?;
     } else {
-        for Hashed {
-            file,
-            pixel_hash,
-            pass,
-        } in &results
-        {
-            failure::print(&match pass {
-                None => format!("{pixel_hash}  {file}\n"),
-                Some(true) => format!("PASS  {file}\n"),
-                Some(false) => format!("FAIL  {file}: it is {pixel_hash}\n"),
+        for result in &results {
+            let file = &result.file;
+            let hash = result.pixel_hash.as_deref().unwrap_or_default();
+            failure::print(&match (result.pass, &result.error) {
+                (None, _) => format!("{hash}  {file}\n"),
+                (Some(true), _) => format!("PASS  {file}\n"),
+                (Some(false), None) => format!("FAIL  {file}: it is {hash}\n"),
+                // The words begin with the name.
+                (Some(false), Some(error)) => format!("FAIL  {error}\n"),
             })?;
         }
     }
@@ -68,8 +71,19 @@ fn hashed(file: &Path, expected: Option<&str>) -> Result<Hashed, Failure> {
     let pass = expected.map(|hash| hash == pixel_hash);
     Ok(Hashed {
         file: file.display().to_string(),
-        pixel_hash,
+        pixel_hash: Some(pixel_hash),
         pass,
+        error: None,
+    })
+}
+
+/// A file of a list: one that cannot be read fails alone.
+fn checked(file: &Path, expected: &str) -> Hashed {
+    hashed(file, Some(expected)).unwrap_or_else(|failure| Hashed {
+        file: file.display().to_string(),
+        pixel_hash: None,
+        pass: Some(false),
+        error: Some(failure.what),
     })
 }
 
@@ -81,7 +95,7 @@ fn check(list: &Path) -> Result<Vec<Hashed>, Failure> {
         .enumerate()
         .filter(|(_, line)| !line.trim().is_empty());
     let results = lines.map(|(number, line)| match line.split_once("  ") {
-        Some((hash, name)) if hash.contains(':') => hashed(&folder.join(name), Some(hash)),
+        Some((hash, name)) if hash.contains(':') => Ok(checked(&folder.join(name), hash)),
         _ => Err(Failure::new(
             Exit::Input,
             "list",

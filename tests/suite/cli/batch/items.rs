@@ -265,3 +265,60 @@ fn every_verb_runs_as_a_batch() {
     assert_eq!(outputs(&desk, "atlas"), outputs(&desk, "whole"));
     assert_eq!(outputs(&desk, "atlas").len(), 2);
 }
+
+/// Outputs that flags name beside `-o` have the words of their item, and lie in the folder that shards are merged from.
+#[test]
+fn further_outputs_are_told_apart() {
+    let desk = Desk::new();
+    let quad = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    desk.put("a.obj", quad);
+    desk.put("b.obj", format!("{quad}f 4 3 2\n"));
+    let batch = "batch uv a.obj b.obj -o u/{model}.obj --map box";
+    let (all, _) = lines(
+        &desk
+            .texmap(&format!(
+                "{batch} --tangents u/{{model}}.npy --pictures u/{{model}}"
+            ))
+            .ok(),
+    );
+    for (line, name) in all.iter().zip(["a", "b"]) {
+        let outputs = line["outputs"].as_array().unwrap();
+        let paths: Vec<&str> = outputs
+            .iter()
+            .map(|o| o["path"].as_str().unwrap())
+            .collect();
+        assert_eq!(paths.len(), 6, "{paths:?}");
+        assert!(paths.iter().all(|path| path.starts_with(name)), "{paths:?}");
+        desk.texmap(&format!(
+            "uv {name}.obj -o {name}.out.obj --map box --tangents {name}.npy"
+        ))
+        .ok();
+        assert_eq!(
+            desk.read(&format!("u/{name}.npy")),
+            desk.read(&format!("{name}.npy"))
+        );
+    }
+    desk.texmap("merge u -o merged").ok();
+    assert_eq!(desk.read("merged/a.npy"), desk.read("u/a.npy"));
+    for (flags, word) in [
+        ("--tangents u/t.npy", "both write u/t.npy"),
+        ("--pictures u/p", "both write u/p"),
+        ("--tangents {model}.npy", "outside of `u/`"),
+        ("--tangents u/../{model}.npy", "outside of `u/`"),
+        ("--report", "--report"),
+    ] {
+        desk.refused(&format!("{batch} {flags}"), 2, word);
+    }
+    // Objects whose names are one file name.
+    desk.put(
+        "twins.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 0 1\nvt 0 0\nvt 1 0\nvt 1 1\no wall:1\nf 1/1 2/2 3/3\no wall 1\nf 1/1 3/3 2/2\n",
+    );
+    let bake = "bake twins.obj --light --object all --size 8 -o m/{object}.png";
+    desk.texmap(bake).ok();
+    desk.refused(
+        &format!("batch {bake} --unit page"),
+        2,
+        "the file of another object",
+    );
+}

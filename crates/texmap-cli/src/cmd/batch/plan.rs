@@ -1,8 +1,8 @@
 //! Items and units of a batch, named and checked before anything runs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::ffi::{OsStr, OsString};
+use std::path::{Component, Path, PathBuf};
 
 use clap::Parser;
 use texmap_io::{FileSource, PictureFormat};
@@ -85,16 +85,33 @@ impl Plan {
         }
         let mut owner: BTreeMap<&str, &str> = BTreeMap::new();
         for item in &items {
-            if let Some(other) = owner.insert(&item.output, &item.id) {
-                return Err(Failure::usage(
-                    format!("{other} and {} would both write {}", item.id, item.output),
-                    "put {model}, {dir} or {id} into the name",
-                ));
+            let further = OUTPUTS.iter().flat_map(|flag| item.settings.values(flag));
+            for output in further.chain([item.output.as_str()]) {
+                if let Some(other) = owner.insert(output, &item.id) {
+                    return Err(Failure::usage(
+                        format!("{other} and {} would both write {output}", item.id),
+                        "put {model}, {dir} or {id} into the name",
+                    ));
+                }
             }
         }
         let mut units = units(args, &items)?;
         units.sort_by(|a, b| a.id.cmp(&b.id));
         let base = base(args, &items);
+        for item in &items {
+            for flag in OUTPUTS {
+                let mut values = item.settings.values(flag);
+                if let Some(outside) = values.find(|value| !lies_in(&base, Path::new(value))) {
+                    return Err(Failure::usage(
+                        format!(
+                            "--{flag} {outside}: it lies outside of `{}`, the folder of the outputs",
+                            base.display()
+                        ),
+                        "name a path that begins with this folder: shards are merged and resumed by it",
+                    ));
+                }
+            }
+        }
         let state = args.flags.state.clone();
         Ok(Self {
             verb: args.verb,
@@ -172,6 +189,20 @@ impl Plan {
         }
         words.splice(2..2, more);
         words
+    }
+}
+
+/// Flags of verbs that name outputs beside `--output`.
+const OUTPUTS: [&str; 2] = ["tangents", "pictures"];
+
+/// True if a path leads into a folder, by its words.
+fn lies_in(folder: &Path, path: &Path) -> bool {
+    let plain = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
+    match folder.as_os_str().is_empty() {
+        true => path.components().all(plain),
+        false => path
+            .strip_prefix(folder)
+            .is_ok_and(|rest| rest.components().all(plain)),
     }
 }
 
@@ -261,11 +292,15 @@ fn item(
             "name a folder, or a name with {model}",
         ));
     }
+    let place = |value: &str| {
+        let name = filled(value.into(), &id, input);
+        text(Path::new(&name))
+    };
     Ok(Item {
         input: text(input)?,
         output: text(&output)?,
+        settings: settings.replaced(&OUTPUTS, place)?,
         id,
-        settings,
     })
 }
 
@@ -276,9 +311,13 @@ fn named(verb: BatchVerb, output: &Path, id: &str, input: &Path) -> PathBuf {
         true => output.join(verb.template()),
         false => output.to_owned(),
     };
+    filled(template.into_os_string(), id, input).into()
+}
+
+/// A template with the words of an input.
+fn filled(mut name: OsString, id: &str, input: &Path) -> OsString {
     let folder = input.parent().filter(|p| !p.as_os_str().is_empty());
     let model = input.file_stem().unwrap_or_default();
-    let mut name = template.into_os_string();
     for (word, by) in [
         ("{model}", model),
         ("{dir}", folder.unwrap_or(Path::new(".")).as_os_str()),
@@ -286,7 +325,7 @@ fn named(verb: BatchVerb, output: &Path, id: &str, input: &Path) -> PathBuf {
     ] {
         name = os_name::replaced(&name, word, by);
     }
-    name.into()
+    name
 }
 
 /// The folder that holds all outputs: the template up to its first placeholder, or the folder around those that a manifest names.
@@ -390,7 +429,16 @@ fn twin(units: &[Unit]) -> Option<&str> {
 fn check(args: &BatchArgs, item: &Item) -> Result<Verb, Failure> {
     let words = words(args.verb, item, &item.output);
     match Cli::try_parse_from(&words) {
-        Ok(cli) => Ok(cli.verb),
+        Ok(cli) => match cli.verb {
+            Verb::Uv(uv) if uv.prints() => Err(Failure::usage(
+                format!(
+                    "{}: --report and --per-triangle print what a batch does not keep",
+                    item.id
+                ),
+                "run `texmap uv IN --json --report` for each, or leave them out",
+            )),
+            verb => Ok(verb),
+        },
         Err(refusal) => {
             let mut failure = Failure::from(refusal);
             failure.what = format!("{}: {}", item.id, failure.what);

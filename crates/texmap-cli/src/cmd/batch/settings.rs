@@ -65,6 +65,31 @@ impl Settings {
         Self(all)
     }
 
+    /// The single values of a flag.
+    pub(crate) fn values(&self, flag: &str) -> impl Iterator<Item = &str> {
+        let all = self.0.get(flag).into_iter().flatten().flatten();
+        all.map(String::as_str)
+    }
+
+    /// The settings with other values of some flags.
+    ///
+    /// # Errors
+    /// Those of `with`.
+    pub(crate) fn replaced<E>(
+        mut self,
+        flags: &[&str],
+        with: impl Fn(&str) -> Result<String, E>,
+    ) -> Result<Self, E> {
+        for (flag, occurrences) in &mut self.0 {
+            if flags.contains(&flag.as_str()) {
+                for value in occurrences.iter_mut().flatten() {
+                    *value = with(value)?;
+                }
+            }
+        }
+        Ok(self)
+    }
+
     /// Words of a command line.
     pub(crate) fn words(&self) -> Vec<String> {
         let mut words = Vec::new();

@@ -208,7 +208,7 @@ fn lost(report: &Report, record: &Record, path: &Path, why: &str) -> Failure {
             record.id,
             report.path.display()
         ),
-        "run its shard again with --resume",
+        "run its shard again with --force",
     )
 }
 

@@ -96,6 +96,13 @@ pub(crate) struct UvArgs {
     pub(crate) json: bool,
 }
 
+impl UvArgs {
+    /// True if figures are asked for that go to standard output.
+    pub(crate) fn prints(&self) -> bool {
+        self.report || self.per_triangle
+    }
+}
+
 /// Methods that compute coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Map {
@@ -156,7 +163,22 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     source.finite(&mesh, &set)?;
 
     let mut written = Vec::new();
+    let found = match args.report || args.json || args.pictures.is_some() {
+        false => None,
+        true => {
+            let options = ReportOptions {
+                origin: Origin::BottomLeft,
+                texture_size: args.texture_size,
+                views: true,
+            };
+            Some(report(&mesh, &set, &options).map_err(|e| source.fault(&e))?)
+        }
+    };
     let main = args.output.as_deref().or(args.tangents.as_deref());
+    let pictures = match (&found, &args.pictures) {
+        (Some(found), Some(folder)) => Some(pictures::draw(folder, &mesh, &set, found)?),
+        _ => None,
+    };
     if let Some(main) = main.map(Destination::new).transpose()? {
         let mut stage = Stage::new(&main)?;
         if let Some(path) = &args.output {
@@ -182,23 +204,15 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
         }
         stage.commit()?;
     }
-    if args.report || args.json || args.pictures.is_some() {
-        let options = ReportOptions {
-            origin: Origin::BottomLeft,
-            texture_size: args.texture_size,
-            views: true,
-        };
-        let found = report(&mesh, &set, &options).map_err(|e| source.fault(&e))?;
-        if let Some(folder) = &args.pictures {
-            written.extend(pictures::draw(folder, &mesh, &set, &found)?);
-        }
+    written.extend(pictures.into_iter().flatten());
+    if let Some(found) = &found {
         if args.report && !args.json {
-            print(&table::text(&args.mesh, &found))?;
+            print(&table::text(&args.mesh, found))?;
         }
         if args.json {
-            let mut json = table::json(&args.mesh, &found, &around);
+            let mut json = table::json(&args.mesh, found, &around);
             if args.per_triangle {
-                json["per_triangle"] = table::per_triangle(&found);
+                json["per_triangle"] = table::per_triangle(found);
             }
             print_json(&json)?;
         }
@@ -233,6 +247,20 @@ fn check(args: &UvArgs) -> Result<(), Failure> {
         return Err(Failure::usage(
             "nothing to do",
             "give -o OUT.obj, --report, --json, --pictures DIR or --tangents FILE.npy",
+        ));
+    }
+    let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
+    let streams = [
+        ("-o -", to_stdout(&args.output)),
+        ("--tangents -", to_stdout(&args.tangents)),
+        ("--json", args.json),
+        ("--report", args.report && !args.json),
+    ];
+    let mut streams = streams.into_iter().filter(|(_, given)| *given);
+    if let (Some((first, _)), Some((second, _))) = (streams.next(), streams.next()) {
+        return Err(Failure::usage(
+            format!("{first} and {second} do not go together"),
+            "name a file",
         ));
     }
     for (flag, path, known) in [

@@ -153,7 +153,7 @@ impl<'a> Source<'a> {
             UvError::WrongLength { found: 0, .. } => (
                 "no-coordinates",
                 "not every corner has a texture coordinate".to_owned(),
-                "give --map, such as --map unwrap",
+                "make them: `texmap uv IN -o OUT.obj --map unwrap`",
             ),
             UvError::BadFrame { .. } => (
                 "bad-frame",
