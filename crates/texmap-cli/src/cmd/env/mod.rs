@@ -177,7 +177,8 @@ fn converted(
     let enough = height_of(to, enough);
     let size = args.size.unwrap_or(enough);
     let result = match args.blur {
-        None if args.from_scene.is_some() && source.layout() == to => source.clone(),
+        // Another format is no other picture.
+        None if source.layout() == to && source.size().1 == size => source.clone(),
         None => source.convert(to, size).map_err(refused(size))?,
         Some(exponent) => {
             if size > 64.max(2 * enough) {
