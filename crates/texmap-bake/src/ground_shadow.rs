@@ -104,6 +104,7 @@ impl GroundShadow {
     /// # Errors
     /// Those of [`render`]; [`SceneError::Value`] for environment light that was not made for [`roughnesses`](Self::roughnesses).
     pub fn new(scene: &Scene, up: DVec3) -> Result<Option<Self>, RenderError> {
+        scene.check()?;
         let Some(place) = Place::new(scene, up) else {
             return Ok(None);
         };
@@ -213,7 +214,10 @@ impl GroundShadow {
             casts_no_shadow: true,
             ..Mesh::default()
         };
-        let blends = |mesh: &Mesh| scene.materials[mesh.material].alpha == AlphaMode::Blend;
+        let blends = |mesh: &Mesh| {
+            let material = scene.materials.get(mesh.material);
+            material.is_some_and(|material| material.alpha == AlphaMode::Blend)
+        };
         let first = scene.meshes.iter().position(blends);
         scene
             .meshes
@@ -488,5 +492,15 @@ mod tests {
         }
         let none = scene(Mesh::default());
         assert!(GroundShadow::new(&none, DVec3::Y).unwrap().is_none());
+    }
+
+    #[test]
+    fn scenes_with_wrong_indices_are_refused() {
+        let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 4.0], [0.0; 3]));
+        scene.meshes = vec![Mesh {
+            material: 7,
+            ..Mesh::cube()
+        }];
+        assert!(GroundShadow::new(&scene, DVec3::Y).is_err());
     }
 }

@@ -78,6 +78,8 @@ impl MovingLight {
                 }
                 .into());
             }
+            // Rows in the order of the texels, which meshes read by their own origin.
+            let texture = texture.clone().with_origin(Origin::TopLeft);
             let texel = |i: u32| {
                 let [r, g, b, _] = texture.texel(0, i % width, i / width).unwrap_or_default();
                 [r, g, b]

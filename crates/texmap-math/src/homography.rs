@@ -92,6 +92,17 @@ impl Homography {
     /// # Errors
     /// [`HomographyError`] where three corners are nearly collinear or the quad is not convex.
     pub fn from_square(quad: [DVec2; 4]) -> Result<Self, HomographyError> {
+        let low = quad[0].min(quad[1]).min(quad[2]).min(quad[3]);
+        let high = quad[0].max(quad[1]).max(quad[2]).max(quad[3]);
+        let extent = (high - low).max_element();
+        if extent > 0.0 && extent.is_finite() && !PLAIN.contains(&extent) {
+            // Areas of the quad are beyond the numbers: those of the quad in its own size are not.
+            let matrix = Self::from_square(quad.map(|p| p / extent))?.matrix;
+            let sized = DMat3::from_diagonal(DVec3::new(extent, extent, 1.0));
+            return Ok(Self {
+                matrix: sized * matrix,
+            });
+        }
         check_quad(quad)?;
         let [p0, p1, p2, p3] = quad;
         let sum = p0 - p1 + p2 - p3;
@@ -139,7 +150,7 @@ impl Homography {
     /// The inverse, by the adjugate: only products and sums, the scale being free. Divided by its largest element.
     #[must_use]
     pub fn inverse(&self) -> Self {
-        let m = self.matrix;
+        let m = plain(self.matrix);
         let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
         let adjugate = DMat3::from_cols(b.cross(c), c.cross(a), a.cross(b)).transpose();
         let determinant = a.dot(b.cross(c));
@@ -157,7 +168,7 @@ impl Homography {
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         Self {
-            matrix: unit_scale(next.matrix * self.matrix),
+            matrix: unit_scale(plain(next.matrix) * plain(self.matrix)),
         }
     }
 
@@ -179,12 +190,26 @@ impl Homography {
     }
 }
 
+/// Magnitudes whose products of three are within the range of numbers.
+const PLAIN: core::ops::Range<f64> = 1e-60..1e60;
+
+/// The matrix, in another scale where products of its elements would leave the range of numbers.
+fn plain(m: DMat3) -> DMat3 {
+    match PLAIN.contains(&largest(&m)) {
+        true => m,
+        false => unit_scale(m),
+    }
+}
+
+fn largest(m: &DMat3) -> f64 {
+    let elements = m.to_cols_array();
+    let larger = |l: f64, v: &f64| if v.abs() > l { v.abs() } else { l };
+    elements.iter().fold(0.0, larger)
+}
+
 /// The matrix over its largest element (unchanged where that is 0 or not finite).
 fn unit_scale(m: DMat3) -> DMat3 {
-    let largest = m
-        .to_cols_array()
-        .iter()
-        .fold(0.0, |l: f64, v| if v.abs() > l { v.abs() } else { l });
+    let largest = largest(&m);
     if largest > 0.0 && largest.is_finite() {
         m * (1.0 / largest)
     } else {

@@ -67,6 +67,8 @@ pub fn height_field(
         "take a larger step, or a smaller map",
     )?;
     let [sx, sy, sz] = size.map(f64::from);
+    // Rows from the top, whatever the texture counts from.
+    let heights = heights.clone().with_origin(Origin::TopLeft);
     let at = |x: u32, y: u32| heights.texel(0, x, y).map_or(0.0, |t| sy * f64::from(t[0]));
     let mut mesh = Mesh {
         name: name.to_owned(),
@@ -159,6 +161,10 @@ mod tests {
             (fine.positions.len(), fine.triangles.len(), fine.faces.len()),
             (45, 64, 64)
         );
+        // Rows lie from the top, whatever the texture counts from.
+        let flipped = plane.clone().with_origin(Origin::BottomLeft);
+        let same = height_field("plane", &flipped, [8.0, 2.0, 4.0], 1).unwrap();
+        assert_eq!((same.positions, same.uvs), (fine.positions, fine.uvs));
     }
 
     #[test]

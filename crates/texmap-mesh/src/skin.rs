@@ -12,6 +12,9 @@ use crate::{MeshError, map_vertices};
 use texmap_scene::Mesh;
 use texmap_scene::SceneError;
 
+/// Bones that a vertex can name.
+const MAX_BONES: usize = 1 << 16;
+
 /// Up to four bones and their weights for each vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skin {
@@ -192,7 +195,7 @@ impl Skeleton {
     }
 
     /// Weights from where the vertices lie: the nearest bone, softened about the joints as `blend` says. Of several near joints
-    /// the one that mixes most counts.
+    /// the one that mixes most counts. Bones beyond the first 65,536 have no vertices.
     #[must_use]
     pub fn skin(&self, positions: &[[f32; 3]], blend: SkinBlend) -> Skin {
         let mut skin = Skin::default();
@@ -218,14 +221,14 @@ impl Skeleton {
             let t = if t.is_nan() { 0.0 } else { t };
             (p - bone.head - along * t).length_squared()
         };
-        (0..self.bones.len())
+        (0..self.bones.len().min(MAX_BONES))
             .min_by(|&a, &b| distance(&self.bones[a]).total_cmp(&distance(&self.bones[b])))
     }
 
     /// A vertex's bone, the one at the other side of its nearest joint, and the share of that one.
     fn mixed(&self, p: DVec3, own: usize, width: f64) -> (usize, usize, f64) {
         let mut best = (own, own, 0.0);
-        for (child, bone) in self.bones.iter().enumerate() {
+        for (child, bone) in self.bones.iter().take(MAX_BONES).enumerate() {
             let Some(parent) = bone.parent.filter(|parent| child == own || *parent == own) else {
                 continue;
             };
@@ -248,7 +251,9 @@ impl Skeleton {
 /// viewer. The identity for an axis of no length. Source: Rodrigues 1840.
 #[must_use]
 pub fn rotation(axis: DVec3, angle: f64) -> DMat4 {
-    let Some(axis) = axis.try_normalize() else {
+    // The square of the length of some vectors is beyond the numbers.
+    let sized = || (axis / axis.abs().max_element()).try_normalize();
+    let Some(axis) = axis.try_normalize().or_else(sized) else {
         return DMat4::IDENTITY;
     };
     rotation_about(axis, deterministic_f64::sin_cos(angle))
@@ -402,5 +407,16 @@ mod tests {
         let mut cycle = arm();
         cycle.bones[0].parent = Some(1);
         assert!(cycle.pose(&pose).is_err() && arm().pose(&pose[..1]).is_err());
+    }
+
+    #[test]
+    fn axes_of_any_length_turn() {
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let right = rotation(DVec3::new(1.0, 2.0, -0.5), quarter);
+        for length in [1e-200, 1e200] {
+            let turned = rotation(DVec3::new(1.0, 2.0, -0.5) * length, quarter);
+            assert!(turned.abs_diff_eq(right, 1e-12), "{length}");
+        }
+        assert_eq!(rotation(DVec3::ZERO, quarter), DMat4::IDENTITY);
     }
 }

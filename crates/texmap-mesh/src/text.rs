@@ -148,6 +148,8 @@ impl Font {
         words: &str,
         atlas: &Texture2d<'_>,
     ) -> Result<Texture2d<'static>, SampleError> {
+        // Cells count from the top, whatever the texture counts from.
+        let atlas = &atlas.clone().with_origin(Origin::TopLeft);
         let columns = self.columns.max(1);
         let cell = self.cell_texels(atlas);
         let [body_first, body] = self.texels_of(self.body, atlas);
@@ -253,6 +255,14 @@ mod tests {
             raised(&font, "AB\n B", 6),
             [(1, 1), (4, 1), (4, 2), (4, 3), (4, 4)]
         );
+        let flipped = atlas.clone().with_origin(Origin::BottomLeft);
+        let texels = |atlas| {
+            let heights = font.heights("AB", atlas).unwrap();
+            let size = [heights.width(), heights.height()];
+            let all = (0..size[0] * size[1]).map(|i| heights.texel(0, i % size[0], i / size[0]));
+            all.collect::<Vec<_>>()
+        };
+        assert_eq!(texels(&flipped), texels(&atlas));
         // The part of `B` above its body reaches into the margin.
         let tall = Font {
             body: [0.25, 0.5, 0.75, 1.0],

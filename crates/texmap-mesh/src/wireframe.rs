@@ -62,7 +62,10 @@ impl Lines {
             .map(|p| clip_from_object * wide(*p).extend(1.0))
             .collect();
         for [a, b] in edges(mesh) {
-            self.edge(corners[a as usize], corners[b as usize]);
+            let ends = (corners.get(a as usize), corners.get(b as usize));
+            if let (Some(a), Some(b)) = ends {
+                self.edge(*a, *b);
+            }
         }
     }
 
@@ -280,5 +283,15 @@ mod tests {
         let mut rgba = vec![255; 4 * 63];
         wireframe(&scene(false), [8, 8], &[0.0; 64], &mut rgba, None);
         assert_eq!(rgba, vec![255; 4 * 63]);
+    }
+
+    #[test]
+    fn edges_of_missing_vertices_are_not_drawn() {
+        let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 4.0], [0.0; 3]));
+        scene.materials = vec![texmap_scene::Material::default()];
+        scene.meshes = vec![Mesh::cube()];
+        scene.meshes[0].triangles.push([0, 1, 999]);
+        let mut rgba = [0; 4 * 64];
+        wireframe(&scene, [8, 8], &[f32::NAN; 64], &mut rgba, None);
     }
 }

@@ -72,7 +72,8 @@ pub fn choose(
 /// [`choose`] among these numbers of samples a side of a pixel, in this order.
 ///
 /// # Errors
-/// Every fault that [`Scene::check`] finds; [`SceneError::Value`] for a scene with tone mapping.
+/// Every fault that [`Scene::check`] finds; [`SceneError::Value`] for a scene with tone mapping, and for a number of samples that is 0
+/// or above 1,024.
 pub fn choose_sampled(
     scene: &Scene,
     width: u32,
@@ -88,6 +89,14 @@ pub fn choose_sampled(
             what: "tone mapping".to_owned(),
             value: format!("{:?}", scene.effects.tone_mapping),
             expected: "plans predict the errors of light that is shown as it is: exposure 1, no curve",
+        });
+    }
+    if let Some(side) = samples.iter().find(|side| !(1..=1024).contains(*side)) {
+        return Err(SceneError::Value {
+            place: "plan".to_owned(),
+            what: "number of samples".to_owned(),
+            value: side.to_string(),
+            expected: "1 to 1024 a side of a pixel",
         });
     }
     let aspect = f64::from(width) / f64::from(height);

@@ -71,7 +71,7 @@ pub struct Atlas {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AtlasOptions {
     /// Also texels that a face touches without covering their centre: no face that touches the atlas is lost, however small,
-    /// as long as there are texels enough where it lies. A face without a texel takes one from a face that has several.
+    /// as long as there are texels enough where it lies and its corners are less than 32,768 texels from the atlas. A face without a texel takes one from a face that has several.
     pub conservative: bool,
     /// Texels by which islands are dilated afterwards.
     pub gutter: u32,
@@ -175,7 +175,9 @@ impl Atlas {
         let corners = Corners { mesh, size };
         let stages = 2 + usize::from(options.conservative);
         let bands = size.height().div_ceil(TILE) as usize;
-        let steps = Steps::new(progress, stages * bands + options.gutter as usize);
+        // Further rounds would find no free texel.
+        let gutter = options.gutter.min(size.width().max(size.height()));
+        let steps = Steps::new(progress, stages * bands + gutter as usize);
         let work = Bands {
             threads: options.threads,
             steps: &steps,
@@ -195,7 +197,7 @@ impl Atlas {
             .filter(|&f| owned[f as usize] == 0)
             .collect();
         atlas.interpolate(&corners, work);
-        atlas.dilate(options.gutter, work);
+        atlas.dilate(gutter, work);
         match steps.is_cancelled() {
             true => Err(RasterError::Cancelled),
             false => Ok(atlas),

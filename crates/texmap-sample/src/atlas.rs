@@ -1,4 +1,5 @@
 use crate::{
+    Filter,
     address::wrap::{Axis, Wrap},
     error::SampleError,
     sampler::Sampler,
@@ -84,13 +85,22 @@ impl AtlasRect {
         Footprint::new(d.du_dx * x, d.dv_dx * y, d.du_dy * x, d.dv_dy * y)
     }
 
-    /// The level up to which a bilinear look-up stays within the gutter: log2 of it, less the half texel
-    /// that a look-up reaches; 0 for gutters of one texel or none.
+    /// The level up to which a bilinear look-up stays within the gutter. A look-up reaches one texel of its level where rectangle and
+    /// gutter are whole numbers of such texels, else one and a half: log2 of the gutter, or of two thirds of it; 0 for gutters of one
+    /// texel or none.
     pub fn max_lod(&self) -> f32 {
-        (u32::BITS - 1).saturating_sub(self.gutter.max(1).leading_zeros()) as f32
+        let log2 = |texels: u32| (u32::BITS - 1).saturating_sub(texels.max(1).leading_zeros());
+        let level = log2(self.gutter);
+        let sides = [self.x, self.y, self.width, self.height, self.gutter];
+        if sides.iter().all(|side| side.trailing_zeros() >= level) {
+            level as f32
+        } else {
+            log2((u64::from(self.gutter) * 2 / 3) as u32) as f32
+        }
     }
 
-    /// Samples the rectangle as a texture of its own, on no level that its gutter cannot guard.
+    /// Samples the rectangle as a texture of its own, on no level that its gutter cannot guard. Anisotropic filters, which reach as far
+    /// as their footprint is long, are trilinear here.
     pub fn sample_grad(
         &self,
         s: &Sampler,
@@ -102,6 +112,9 @@ impl AtlasRect {
         let mut s = s.clone();
         s.wrap_u = Wrap::ClampToEdge;
         s.wrap_v = Wrap::ClampToEdge;
+        if matches!(s.filter, Filter::Anisotropic(_) | Filter::Ewa { .. }) {
+            s.filter = Filter::Trilinear;
+        }
         let most = self.max_lod();
         s.lod.max = if s.lod.max < most { s.lod.max } else { most };
         s.sample_grad(atlas, uv, self.footprint(d))

@@ -71,7 +71,11 @@ impl TextureCube<'static> {
     fn with_wide_faces(faces: &[Image<'_>; 6]) -> Result<Self, SampleError> {
         let mut wide = Vec::new();
         for face in faces {
-            let t = Texture2d::new(face)?;
+            // Faces of a cube have their rows from the top.
+            let t = Texture2d::new(&Image {
+                origin: crate::texture::Origin::TopLeft,
+                ..*face
+            })?;
             for y in 0..face.height {
                 for x in 0..face.width {
                     wide.extend(t.texel(0, x, y).unwrap_or_default());

@@ -5,7 +5,7 @@ use crate::{
     batch::{check, sample_slice},
     error::SampleError,
     sampler::{Filter, Sampler},
-    texture::Texture2d,
+    texture::{Origin, Texture2d},
 };
 use edges::Edges;
 use texmap_math::{
@@ -36,7 +36,8 @@ pub enum EdgeMode {
 /// (before the horizon), and takes the colour in the middle of that area.
 #[derive(Clone, Debug)]
 pub struct Resample<'a> {
-    texture: &'a Texture2d<'a>,
+    /// Rows from the top.
+    texture: Texture2d<'a>,
     sampler: Sampler,
     edge_mode: EdgeMode,
     source_from_output: DMat3,
@@ -76,7 +77,7 @@ impl<'a> Resample<'a> {
             inverse.matrix()
         };
         Self {
-            texture,
+            texture: texture.clone().with_origin(Origin::TopLeft),
             sampler,
             edge_mode: outside,
             source_from_output: matrix,
@@ -123,7 +124,7 @@ impl<'a> Resample<'a> {
         sample_slice(
             level,
             &self.sampler,
-            self.texture,
+            &self.texture,
             &u[..n],
             &v[..n],
             Some(&grads[..n]),

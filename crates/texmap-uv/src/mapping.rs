@@ -13,6 +13,9 @@ use crate::solid::{Origin, Shape, ShapeFace};
 use crate::uv_set::UvSet;
 use crate::{UvError, parallel, plane, seam_unwrap, spherical};
 
+/// Magnitudes of factors that leave coordinates within 32-bit numbers.
+pub(crate) const FACTORS: core::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
 /// The vector that a shape maps to texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ProjectionSource {
@@ -206,7 +209,9 @@ impl Mapping {
             ("repeat", self.repeat),
             ("tile size", self.tile.unwrap_or([1.0; 2])),
         ] {
-            if let Some(value) = values.iter().find(|v| !v.is_finite() || **v == 0.0) {
+            // Coordinates are 32-bit numbers.
+            let usable = |v: f64| FACTORS.contains(&v.abs());
+            if let Some(value) = values.iter().find(|v| !usable(**v)) {
                 return Err(UvError::BadParameter {
                     what,
                     value: *value,

@@ -7,6 +7,7 @@ use texmap_math::glam::{DMat4, DVec3};
 use texmap_math::simd::{Isa, prelude::*};
 use texmap_math::{Footprint, Level, dispatch_simd};
 
+use crate::mapping::FACTORS;
 use crate::spherical::MAX_LANES;
 use crate::{Origin, Placement, UvError};
 
@@ -47,7 +48,7 @@ impl PerPixelProjection {
         repeat: [f64; 2],
         origin: Origin,
     ) -> Result<Self, UvError> {
-        if let Some(&value) = repeat.iter().find(|v| !v.is_finite() || **v == 0.0) {
+        if let Some(&value) = repeat.iter().find(|v| !FACTORS.contains(&v.abs())) {
             return Err(UvError::BadParameter {
                 what: "repeat",
                 value,

@@ -36,14 +36,22 @@ pub(crate) fn unwrap(u: &mut [f32], pole: &[bool]) -> bool {
         previous = u[i] + turns;
         u[i] += turns - shift;
     }
-    for i in (0..n).filter(|&i| pole[i]) {
-        let neighbour = |step: usize| {
-            (1..n)
-                .map(|k| (i + k * step) % n)
-                .find(|&j| !pole[j])
-                .map_or(0.5, |j| u[j])
-        };
-        u[i] = (neighbour(1) + neighbour(n - 1)) * 0.5;
+    // The neighbour before each pole corner, then the mean with the one behind it: once around in either direction.
+    let mut near = u[first];
+    for i in (first..first + n).map(|k| k % n) {
+        if pole[i] {
+            u[i] = near;
+        } else {
+            near = u[i];
+        }
+    }
+    near = u[first];
+    for i in (first..first + n).rev().map(|k| k % n) {
+        if pole[i] {
+            u[i] = (near + u[i]) * 0.5;
+        } else {
+            near = u[i];
+        }
     }
     // A pole corner closes a face that spans up to half a turn; without one a face must come back to itself.
     closes || pole.contains(&true)
@@ -95,6 +103,11 @@ mod tests {
         );
         assert_eq!(run([0.5, 0.5, 0.125], &[0, 1]).0, [0.125; 3]);
         assert_eq!(run([0.7, 0.7, 0.7], &[0, 1, 2]).0, [0.5; 3]);
+        // Several in a row lie between the ends of the row.
+        assert_eq!(
+            run([0.25, 0.0, 0.0, 0.5, 0.0], &[1, 2, 4]).0,
+            [0.25, 0.375, 0.375, 0.5, 0.375]
+        );
     }
 
     #[test]

@@ -55,6 +55,9 @@ impl Shape {
             Self::Cylinder if p.y >= 0.5 - 1e-9 => ShapeFace::Top,
             Self::Cylinder | Self::Cone if p.y <= -0.5 + 1e-9 => ShapeFace::Bottom,
             Self::Cylinder | Self::Cone => ShapeFace::Side,
+            Self::Box if p.is_nan() => {
+                return (ShapeFace::Front, [f64::NAN; 2]);
+            }
             Self::Box => ShapeFace::facing(p),
         };
         (part, self.place(part, p).uv(origin))
@@ -235,6 +238,12 @@ pub(crate) fn around(x: f64, z: f64) -> f64 {
 ///
 /// The latitude is `atan2(y, hypot(x, z))`: an arc sine loses half the digits near the poles.
 pub(crate) fn sphere(d: DVec3) -> SurfacePoint {
+    let largest = d.abs().max_element();
+    // Squares of others are no numbers.
+    let d = match !(1e-140..1e140).contains(&largest) && largest > 0.0 && largest.is_finite() {
+        true => d / largest,
+        false => d,
+    };
     let latitude = deterministic_f64::atan2(d.y, float::sqrt(d.x * d.x + d.z * d.z));
     SurfacePoint {
         u: around(d.x, d.z),
@@ -356,5 +365,33 @@ mod tests {
             ShapeFace::facing(DVec3::new(-3.0, 1.0, 0.0)),
             ShapeFace::Left
         );
+    }
+
+    #[test]
+    fn a_sphere_has_any_size_and_nan_stays() {
+        let unit = DVec3::new(0.3, -0.5, 0.7);
+        let (_, right) = Shape::Sphere.uv(unit, Origin::TopLeft);
+        for size in [1e-300, 1e-170, 1e170, 1e300] {
+            let (_, uv) = Shape::Sphere.uv(unit * size, Origin::TopLeft);
+            assert!(
+                (uv[0] - right[0]).abs() < 1e-12 && (uv[1] - right[1]).abs() < 1e-12,
+                "{size}"
+            );
+        }
+        for shape in [
+            Shape::Plane,
+            Shape::Cylinder,
+            Shape::Cone,
+            Shape::Sphere,
+            Shape::Box,
+        ] {
+            let p = DVec3::splat(f64::NAN);
+            assert!(
+                shape.uv(p, Origin::TopLeft).1.iter().all(|c| c.is_nan()),
+                "{shape:?}"
+            );
+        }
+        let (_, uv) = Shape::Box.uv(DVec3::new(f64::NAN, 0.1, 0.2), Origin::TopLeft);
+        assert!(uv.iter().all(|c| c.is_nan()));
     }
 }

@@ -226,7 +226,7 @@ fn bad_quads_are_refused() {
     ));
     assert!(
         matches!(
-            quad([(0.0, 0.0), (1e200, 0.0), (1e200, 1e200), (0.0, 1e200)]),
+            quad([(-1e308, 0.0), (1e308, 0.0), (1e308, 1e308), (0.0, 1e308)]),
             Err(HomographyError::Collinear { .. })
         ),
         "overflow"
@@ -266,4 +266,39 @@ fn the_vanishing_line_has_no_image() {
     .expect("regular");
     assert_eq!(h.apply(DVec2::new(-1.0, 0.3)), None);
     assert!(h.apply(DVec2::new(-0.999, 0.3)).is_some());
+}
+
+/// The scale of a matrix means nothing, nor does the size of a quad, however large or small.
+#[test]
+fn homographies_of_any_size() {
+    let plain = Homography::from_matrix(DMat3::from_cols_array(&[
+        2.0, 0.1, 0.01, -0.3, 1.5, 0.02, 4.0, -1.0, 1.0,
+    ]))
+    .expect("regular");
+    let at = DVec2::new(2.0, 3.0);
+    for scale in [1e-200, -1e-120, 1e120, -1e200] {
+        let h = Homography::from_matrix(plain.matrix() * scale).expect("regular");
+        for (got, right) in [
+            (h.inverse().apply(at), plain.inverse().apply(at)),
+            (h.then(&h).apply(at), plain.then(&plain).apply(at)),
+        ] {
+            let off = got.expect("finite") - right.expect("finite");
+            assert!(off.length() < 1e-12, "{scale}: {off}");
+        }
+        // W is above 0 where it was.
+        let w = |h: &Homography| h.apply_homogeneous(at).z.signum();
+        let (image, back) = (h.apply(at).expect("finite"), h.inverse());
+        assert_eq!(back.apply_homogeneous(image).z.signum(), w(&h), "{scale}");
+    }
+    let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from);
+    for side in [1e-170, 1e-100, 1.0, 1e155, 1e300] {
+        let h = Homography::from_square(square.map(|p| p * side)).expect("a square");
+        let middle = h.apply(DVec2::splat(0.5)).expect("finite");
+        assert!(
+            (middle / side - DVec2::splat(0.5)).length() < 1e-12,
+            "{side}"
+        );
+        let flat = [square[0], square[1], square[1] * 0.5, square[3]].map(|p| p * side);
+        assert!(Homography::from_square(flat).is_err(), "{side}");
+    }
 }

@@ -2,8 +2,8 @@
 
 use crate::support::{Random, filters};
 use texmap_sample::{
-    Alpha, ColorSpace, DirectionBatch, Image, Lod, Origin, Sampler, TexelData, TextureCube, Wrap,
-    cube_direction, sample_cube_soa,
+    Alpha, ColorSpace, DirectionBatch, Filter, Image, Lod, Origin, Sampler, TexelData, TextureCube,
+    Wrap, cube_direction, sample_cube_soa,
 };
 use texmap_tests::levels::levels;
 
@@ -186,4 +186,38 @@ fn columns_of_different_lengths_are_named() {
         error.unwrap_err().to_string(),
         "z holds 2 entries, the coordinates have 3"
     );
+}
+
+/// The rows of a face lie from the top, whatever the origin of its image, also where faces of other channels are beside it.
+#[test]
+fn faces_have_their_rows_from_the_top() {
+    let cube = |origin: Origin, soft: bool| {
+        let texels = |face: usize| -> Vec<f32> {
+            let alpha = if soft && face == 3 { 0.5 } else { 1.0 };
+            let upper = [1.0, 0.0, 0.0, alpha].map(|c| c * alpha);
+            let lower = [0.0, 0.0, 1.0, alpha].map(|c| c * alpha);
+            [upper, upper, lower, lower].into_iter().flatten().collect()
+        };
+        let faces: Vec<Vec<f32>> = (0..6).map(texels).collect();
+        let image = |face: usize| Image {
+            width: 2,
+            height: 2,
+            channels: 4,
+            texels: TexelData::F32(&faces[face]),
+            color: ColorSpace::Linear,
+            alpha: Alpha::Straight,
+            origin,
+        };
+        TextureCube::new(&[0, 1, 2, 3, 4, 5].map(image)).unwrap()
+    };
+    let sampler = Sampler {
+        filter: Filter::Nearest,
+        ..Sampler::default()
+    };
+    for soft in [false, true] {
+        for origin in [Origin::TopLeft, Origin::BottomLeft] {
+            let up = sampler.sample_cube(&cube(origin, soft), [0.1, 0.5, 1.0], 0.0);
+            assert!(up[0] > 0.9 && up[2] < 0.1, "{origin:?} {soft}: {up:?}");
+        }
+    }
 }

@@ -35,9 +35,16 @@ fn draw(
 #[test]
 fn the_identity_and_quarter_turns_are_exact() {
     let t = random_floats(9, 6, 4);
-    for filter in [Filter::Nearest, Filter::Bilinear, Filter::Anisotropic(16)] {
+    // The first row is the upper one, whatever the texture counts from.
+    let flipped = t.clone().with_origin(Origin::BottomLeft);
+    for (filter, read) in [
+        (Filter::Nearest, &t),
+        (Filter::Bilinear, &t),
+        (Filter::Anisotropic(16), &t),
+        (Filter::Bilinear, &flipped),
+    ] {
         let same = draw(
-            &t,
+            read,
             filter,
             EdgeMode::Transparent,
             &Homography::IDENTITY,

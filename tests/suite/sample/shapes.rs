@@ -331,6 +331,34 @@ fn atlas_rectangles_do_not_bleed() {
         let c = rect.sample_grad(&s, &atlas, uv, d)[0];
         assert!(c > 1.0 - 1.0 / 255.0, "{uv:?} {d:?} {c}");
     }
+    // A rectangle that does not begin with a texel of a level, and filters with long footprints.
+    let texels: Vec<f32> = (0..32 * 32)
+        .map(|i| f32::from(u8::from(i % 32 > 0)))
+        .collect();
+    let atlas = float_texture(32, 32, 1, &texels).with_mips();
+    for (x, gutter, most) in [(5, 4, 1.0), (2, 1, 0.0), (8, 4, 2.0), (9, 6, 2.0)] {
+        let rect = AtlasRect::new(&atlas, x, 8, 8, 8, gutter).unwrap();
+        assert_eq!(rect.max_lod(), most, "{x} {gutter}");
+        for filter in [
+            Filter::Trilinear,
+            Filter::Anisotropic(16),
+            Filter::Ewa {
+                ratio: 16,
+                percent: 75,
+            },
+        ] {
+            let s = Sampler {
+                filter,
+                ..Sampler::default()
+            };
+            for _ in 0..300 {
+                let uv = [random.range(0.0, 1.0), random.range(0.0, 1.0)];
+                let d = Footprint::new(random.range(0.0, 3.0), 0.0, 0.0, 0.05);
+                let c = rect.sample_grad(&s, &atlas, uv, d)[0];
+                assert!(c > 0.999, "{x} {gutter} {filter:?} {uv:?} {d:?}: {c}");
+            }
+        }
+    }
     assert!(AtlasRect::new(&atlas, 2, 8, 8, 8, 4).is_err());
     assert!(AtlasRect::new(&atlas, 8, 8, 0, 8, 4).is_err());
 }
