@@ -154,6 +154,44 @@ fn skins_follow_the_bones_wherever_these_stand() {
     );
 }
 
+/// A mirror image has the fronts and the poses of what it mirrors.
+#[test]
+fn mirrors_keep_fronts_and_turn_the_sense_of_turns() {
+    let both = |words: &str| {
+        let of = |scale: &str| shaped(&files().scene(&format!("{scale}{words}")));
+        [of(""), of("scale -1 1 1\n")]
+    };
+    let [plain, mirrored] = both("texture h.png\nterrain h.png 0 2 0 14 4 7 step 3\n");
+    for scene in [plain, mirrored] {
+        let mesh = &scene.meshes[0];
+        let corner = |i: u32| {
+            let p = DVec3::from(mesh.positions[i as usize].map(f64::from));
+            mesh.world_from_object.transform_point3(p)
+        };
+        let sense = mesh.world_from_object.determinant().signum();
+        for [a, b, c] in mesh.triangles.iter().map(|t| t.map(corner)) {
+            // Renderers take the other side of a mirrored mesh for its front.
+            assert!(sense * (b - a).cross(c - a).y > 0.0);
+        }
+    }
+    let arm = "bone 0 0 0 2 0 0\nbone 2 0 0 4 0 0 parent 0 turn 90 0 0 1\nskin rigid\nv 0 0 0\nv 3 0 0\nv 3 0 1\nf 0 1 2\n";
+    let [plain, mirrored] = both(arm);
+    for (a, b) in plain.meshes[0]
+        .positions
+        .iter()
+        .zip(&mirrored.meshes[0].positions)
+    {
+        assert!(
+            (a[0] + b[0]).abs() < 1e-6 && a[1..] == b[1..],
+            "{a:?} {b:?}"
+        );
+    }
+    assert!(
+        plain.meshes[0].positions.iter().any(|p| p[1] > 0.5),
+        "it bends"
+    );
+}
+
 #[test]
 fn faults_name_their_line() {
     for (text, code, line) in [
@@ -166,6 +204,7 @@ fn faults_name_their_line() {
             2,
         ),
         ("v 0 0 0\nskin rigid\nf 0 0 0\n", "needs-line-above", 2),
+        ("ls 1 1 1 0 0 3 0 0 -1 20 175\n\nshadow\n", "bad-shape", 3),
     ] {
         let files = files()
             .with_png("one.png", 1, 1, [0, 0, 0, 255])

@@ -4,7 +4,7 @@ use texmap_light::{Light, ProjectorBorder, ShadowBias};
 use texmap_math::Projector;
 use texmap_math::glam::DVec3;
 use texmap_sample::UvTransform;
-use texmap_scene::{ColorMode, ProjectorLight, ProjectorMode, Shadow};
+use texmap_scene::{ColorMode, ProjectorLight, ProjectorMode, Shadow, shadow_kind};
 
 use super::build::{Added, Builder};
 use crate::IoError;
@@ -38,6 +38,12 @@ pub(super) fn shadow(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoError
     let cast = |light: &Light| !matches!(light, Light::Ambient { .. });
     let light = b.scene.lights.iter().rposition(cast);
     let light = light.ok_or_else(|| line.needs("a light (`ld`, `lp` or `ls`)"))?;
+    if matches!(b.scene.lights[light], Light::Spot { .. }) {
+        shadow_kind(&b.scene, light, None).map_err(|_| IoError::BadShape {
+            location: line.location.clone(),
+            problem: "`shadow`: the `ls` above lights more than 85 degrees from its axis, which no shadow map holds; narrow it, or make it an `lp`".into(),
+        })?;
+    }
     line.takes("auto");
     let mut shadow = Shadow {
         light,

@@ -53,7 +53,9 @@ impl Bones {
                 "parent" => parent = Some(line.whole() as usize),
                 _ => {
                     let (degrees, axis) = (line.number(), DVec3::from(line.numbers()));
-                    turn = rotation(degrees, transform.transform_vector3(axis));
+                    // A mirror turns the sense of a turn about.
+                    let sense = transform.determinant().signum();
+                    turn = rotation(sense * degrees, transform.transform_vector3(axis));
                 }
             }
         }
@@ -178,9 +180,6 @@ pub(super) fn terrain(b: &mut Builder, line: &mut Line<'_>) -> Result<(), IoErro
     let mut ground = texmap_mesh::height_field(&name, &b.textures.textures[heights], size, step)
         .map_err(|e| bad_shape(location, &e))?;
     ground.world_from_object = b.settings.transform * DMat4::from_translation(middle);
-    if b.settings.transform.determinant() < 0.0 {
-        ground.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
     let color = b.scene.color;
     let material = match &b.settings.texture {
         Some(texture) => b.settings.textured(texture, TextureRole::Modulate, color),

@@ -81,7 +81,7 @@ impl Builder {
             };
             let coordinates = Coordinates {
                 first: !part.uvs.is_empty() || self.settings.round.is_some(),
-                second: true,
+                second: self.settings.effects.lightmap_uv.is_some(),
             };
             let material = self.material(material, coordinates, named_by);
             let colors = if model.colored {

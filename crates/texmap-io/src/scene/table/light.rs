@@ -59,7 +59,7 @@ pub(super) const SPECS: &[Spec] = &[
             Floats("inner outer", CONE),
         ],
         default: "none",
-        help: "adds a spot light at x y z along dx dy dz; full inside of half the angle `inner`, nothing beyond `outer` (degrees)",
+        help: "adds a spot light at x y z along dx dy dz; full up to `inner` degrees from this axis, nothing beyond `outer`",
         set: Plain(|b, line| {
             let (color, position, direction) = (line.floats(), line.floats(), line.floats());
             let [inner, outer] = line.floats().map(f32::to_radians);
@@ -200,7 +200,7 @@ pub(super) const SPECS: &[Spec] = &[
             &[OneOf(&["none"])],
         ])],
         default: "none",
-        help: "setting: surfaces give off this light themselves, times the texels of a map; sRGB values up to 1, linear factors above. It is added to what they receive, whatever `shade` says, and lights nothing else",
+        help: "setting: surfaces give off this light themselves, times the texels of a map; sRGB values up to 1, linear factors above. It is added to what they receive, whatever `shade` says, and lights nothing else; faces that copy their texel (`tf` and `ff` without `shade`, billboards) do not show it",
         set: Fallible(|b, line| {
             b.settings.effects.emission = match line.takes("none") {
                 true => None,
