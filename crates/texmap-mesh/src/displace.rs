@@ -5,17 +5,19 @@
 //! coordinates opens. A point that a mesh without displacement shares stays where it is, and where such a mesh lies at an edge that
 //! is cut, its triangles are cut there too.
 
+mod height_map;
+mod shares;
+
 use std::collections::HashMap;
 
 use texmap_math::MemoryBudget;
-use texmap_math::deterministic_f32;
-use texmap_math::glam::{DMat4, DVec3};
-use texmap_sample::{Sampler, Texture2d};
-
-use crate::refine::{Net, Triangle, Vertex};
+use texmap_math::glam::DVec3;
+use texmap_scene::{Mesh, Scene};
 
 use crate::MeshError;
-use texmap_scene::{EdgeBudget, Mesh, Scene};
+use crate::refine::{Net, Triangle, Vertex};
+use height_map::HeightMap;
+use shares::{Shares, order};
 
 /// Memory that displacement takes at its peak for each triangle that it makes, measured: cut triangles with their vertices and
 /// edges, then points before and after with their normals, then the finished mesh.
@@ -29,17 +31,14 @@ pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), MeshError> {
     };
     let name = first.name.clone();
     let (mut net, members) = join(scene);
-    let maps: Vec<Option<HeightMap>> = members
-        .iter()
-        .map(|&i| HeightMap::new(scene, i, width))
-        .collect();
+    let memory = MemoryBudget::of_process();
+    let maps = HeightMap::of_meshes(scene, &members, width, memory)?;
     let limit = maps.iter().flatten().map(|m| m.limit).min().unwrap_or(0);
     let too_long = |net: &Net, a: &Vertex, b: &Vertex| {
         maps[a.mesh as usize]
             .as_ref()
             .is_some_and(|map| map.too_long(net, a, b))
     };
-    let memory = MemoryBudget::of_process();
     let affordable = usize::try_from(memory.available() / TRIANGLE_BYTES).unwrap_or(usize::MAX);
     let refined = net.refine(too_long, affordable.min(limit as usize));
     refined.map_err(|triangles| {
@@ -62,33 +61,30 @@ pub(crate) fn displace(scene: &mut Scene, width: u32) -> Result<(), MeshError> {
     })?;
     let field = Field::new(&net, &maps);
     let normals = field.normals(&net, &maps);
+    let shares = Shares::new(&net, members.len());
+    let mut own = vec![0; net.vertices.len()];
     for (number, &index) in (0..).zip(&members) {
         let mesh = &mut scene.meshes[index];
         if mesh.displacement.is_some() {
             scene
                 .warnings
-                .extend(field.warnings(&net, number, &mesh.name));
+                .extend(field.warnings(&shares, number, &mesh.name));
         }
-        take(mesh, &net, &field, &normals, number);
+        take(mesh, &shares, number, &field, &normals, &mut own);
     }
     Ok(())
 }
 
 /// The displaced meshes, and resting ones that share a point with them, over shared points; and their numbers in the scene.
 fn join(scene: &Scene) -> (Net, Vec<usize>) {
-    let mut places = Vec::new();
+    let mut places = HashMap::new();
     let mut place = |mesh: &Mesh| {
         let bits = mesh
             .world_from_object
             .to_cols_array()
             .map(|c| (c + 0.0).to_bits());
-        places
-            .iter()
-            .position(|known| *known == bits)
-            .unwrap_or_else(|| {
-                places.push(bits);
-                places.len() - 1
-            })
+        let next = places.len();
+        *places.entry(bits).or_insert(next)
     };
     // Adding 0 makes one zero of both.
     let key = |place: usize, p: &[f32; 3]| (place, p.map(|c| (c + 0.0).to_bits()));
@@ -137,92 +133,6 @@ fn join(scene: &Scene) -> (Net, Vec<usize>) {
     (net, members)
 }
 
-/// A displacement with what it is measured by.
-struct HeightMap {
-    texture: Texture2d<'static>,
-    sampler: Sampler,
-    /// Coordinates of the mesh to those of the map.
-    rows: [[f32; 3]; 2],
-    height: f64,
-    middle: f64,
-    budget: EdgeBudget,
-    limit: u32,
-    world_from_object: DMat4,
-    /// `None` in a parallel projection.
-    eye: Option<DVec3>,
-    /// Pixels that a line of length 1 at distance 1 covers.
-    pixels: f64,
-}
-
-impl HeightMap {
-    fn new(scene: &Scene, mesh: usize, width: u32) -> Option<Self> {
-        let mesh = &scene.meshes[mesh];
-        let displacement = mesh.displacement.as_ref()?;
-        let slot = &displacement.slot;
-        let texture = scene.textures[slot.texture].clone();
-        let texture = if texture.levels() == 1 {
-            texture.with_mips()
-        } else {
-            texture
-        };
-        let camera = &scene.camera;
-        let parallel = camera.lens.parallel_width.is_some();
-        Some(Self {
-            texture: texture.with_origin(mesh.uv_origin),
-            sampler: slot.sampler.clone(),
-            rows: slot.transform.rows(),
-            height: displacement.height.into(),
-            middle: displacement.middle.into(),
-            budget: displacement.budget,
-            limit: displacement.max_triangles,
-            world_from_object: mesh.world_from_object,
-            eye: (!parallel).then_some(camera.eye),
-            pixels: f64::from(width) / (2.0 * camera.half_width(1.0)),
-        })
-    }
-
-    fn place(&self, uv: [f32; 2]) -> [f32; 2] {
-        self.rows.map(|[a, b, c]| a * uv[0] + b * uv[1] + c)
-    }
-
-    /// Squared length of an edge in texels of level 0.
-    fn texels_squared(&self, a: &Vertex, b: &Vertex) -> f64 {
-        let [p, q] = [a, b].map(|v| self.place(v.uv).map(f64::from));
-        let x = (q[0] - p[0]) * f64::from(self.texture.width());
-        let y = (q[1] - p[1]) * f64::from(self.texture.height());
-        x * x + y * y
-    }
-
-    fn too_long(&self, net: &Net, a: &Vertex, b: &Vertex) -> bool {
-        match self.budget {
-            EdgeBudget::Texels(most) => {
-                self.texels_squared(a, b) > f64::from(most) * f64::from(most)
-            }
-            EdgeBudget::Pixels(most) => {
-                let [p, q] =
-                    [a, b].map(|v| self.world_from_object.transform_point3(net.position(v)));
-                let length = (q - p).length();
-                let distance = self.eye.map_or(1.0, |eye| ((p + q) * 0.5 - eye).length());
-                length * self.pixels > f64::from(most) * distance
-                    && self.texels_squared(a, b) > 0.25
-            }
-        }
-    }
-
-    /// Distance that a vertex moves, `spacing` texels from its neighbours.
-    fn rise(&self, vertex: &Vertex, spacing: f64) -> f64 {
-        let level = if spacing > 1.0 {
-            deterministic_f32::log2(spacing as f32)
-        } else {
-            0.0
-        };
-        let [h, ..] = self
-            .sampler
-            .sample_lod(&self.texture, self.place(vertex.uv), level);
-        self.height * (f64::from(h) - self.middle)
-    }
-}
-
 /// Position of every point before and after the displacement.
 struct Field {
     /// Object space, before and after.
@@ -238,7 +148,7 @@ struct Field {
 
 impl Field {
     fn new(net: &Net, maps: &[Option<HeightMap>]) -> Self {
-        let (start, by_point) = order(net);
+        let (start, by_point) = order(net.points.len(), net.vertices.iter().map(|v| v.point));
         let mut spacing = vec![f64::INFINITY; net.points.len()];
         for t in &net.triangles {
             for k in 0..3 {
@@ -341,26 +251,22 @@ impl Field {
         }
     }
 
-    fn warnings(&self, net: &Net, mesh: u32, name: &str) -> Vec<String> {
+    fn warnings(&self, shares: &Shares<'_>, mesh: u32, name: &str) -> Vec<String> {
         let mut warnings = Vec::new();
-        let own = |v: u32| net.vertices[v as usize].mesh == mesh;
-        let all = net.triangles.iter().filter(|t| own(t.vertices[0]));
-        let (mut triangles, mut turned) = (0u32, 0u32);
-        for t in all {
+        let net = shares.net;
+        let all = shares.triangles(mesh);
+        let turns = |t: &&Triangle| {
             let cross = self.cross(net, t, &self.after) * self.side(net, t);
-            triangles += 1;
-            turned += u32::from(cross.dot(out_of(net, t)) < 0.0);
-        }
+            cross.dot(out_of(net, t)) < 0.0
+        };
+        let (triangles, turned) = (all.len(), all.iter().filter(turns).count());
         if turned > 0 {
             warnings.push(format!(
                 "mesh '{name}': {turned} of {triangles} displaced triangles turn over: the surface folds or cuts itself; lower the height of the displacement, or blur its map"
             ));
         }
-        let lost = net
-            .vertices
-            .iter()
-            .filter(|v| v.mesh == mesh && self.lost[v.point as usize])
-            .count();
+        let stays = |v: &&u32| self.lost[net.vertices[**v as usize].point as usize];
+        let lost = shares.vertices(mesh).iter().filter(stays).count();
         if lost > 0 {
             warnings.push(format!(
                 "mesh '{name}': {lost} vertices stay where they are: their normals are zero or cancel out"
@@ -376,27 +282,16 @@ fn out_of(net: &Net, t: &Triangle) -> DVec3 {
     t.vertices.map(normal).into_iter().sum()
 }
 
-/// Vertices by their points: a counting sort.
-fn order(net: &Net) -> (Vec<usize>, Vec<u32>) {
-    let mut start = vec![0; net.points.len() + 1];
-    net.vertices
-        .iter()
-        .for_each(|v| start[v.point as usize + 1] += 1);
-    for i in 1..start.len() {
-        start[i] += start[i - 1];
-    }
-    let (mut next, mut by_point) = (start.clone(), vec![0; net.vertices.len()]);
-    for (v, vertex) in net.vertices.iter().enumerate() {
-        let place = &mut next[vertex.point as usize];
-        by_point[*place] = v as u32;
-        *place += 1;
-    }
-    (start, by_point)
-}
-
-/// Gives a mesh its share of the net.
-fn take(mesh: &mut Mesh, net: &Net, field: &Field, normals: &[[f32; 3]], number: u32) {
-    let mut own = vec![u32::MAX; net.vertices.len()];
+/// Gives a mesh its share of the net. `own` has a place for every vertex of the net; those of this mesh are written before they are
+/// read, so that all meshes can use one.
+fn take(
+    mesh: &mut Mesh,
+    shares: &Shares<'_>,
+    number: u32,
+    field: &Field,
+    normals: &[[f32; 3]],
+    own: &mut [u32],
+) {
     let (uvs, second, colors) = (
         !mesh.uvs.is_empty(),
         !mesh.lightmap_uvs.is_empty(),
@@ -410,12 +305,8 @@ fn take(mesh: &mut Mesh, net: &Net, field: &Field, normals: &[[f32; 3]], number:
     mesh.uvs.clear();
     mesh.lightmap_uvs.clear();
     mesh.colors.clear();
-    for (v, vertex) in net
-        .vertices
-        .iter()
-        .enumerate()
-        .filter(|(_, v)| v.mesh == number)
-    {
+    for &v in shares.vertices(number) {
+        let (v, vertex) = (v as usize, &shares.net.vertices[v as usize]);
         own[v] = mesh.positions.len() as u32;
         mesh.positions
             .push(field.after[vertex.point as usize].as_vec3().to_array());
@@ -426,14 +317,120 @@ fn take(mesh: &mut Mesh, net: &Net, field: &Field, normals: &[[f32; 3]], number:
         mesh.colors.extend(colors.then_some(vertex.color));
     }
     mesh.triangles.clear();
-    for t in net
-        .triangles
-        .iter()
-        .filter(|t| own[t.vertices[0] as usize] != u32::MAX)
-    {
+    for t in shares.triangles(number) {
         mesh.triangles.push(t.vertices.map(|v| own[v as usize]));
         mesh.faces
             .push(old.get(t.base as usize).copied().unwrap_or(t.base));
     }
     mesh.displacement = None;
+}
+
+#[cfg(test)]
+mod tests {
+    use texmap_math::Camera;
+    use texmap_math::glam::DMat4;
+    use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, TexelData, Texture2d};
+    use texmap_scene::{Displacement, EdgeBudget, Material, TextureSlot};
+
+    use super::*;
+
+    const FILTERS: [Filter; 6] = [
+        Filter::Nearest,
+        Filter::Bilinear,
+        Filter::Trilinear,
+        Filter::BilinearMipNearest,
+        Filter::ewa(4),
+        Filter::SummedArea,
+    ];
+
+    /// Uneven heights that repeat nowhere.
+    fn map(side: u32) -> Texture2d<'static> {
+        let heights: Vec<f32> = (0..side * side)
+            .map(|i| (i.wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32)
+            .collect();
+        let image = Image {
+            width: side,
+            height: side,
+            channels: 1,
+            texels: TexelData::F32(&heights),
+            color: ColorSpace::Linear,
+            alpha: Alpha::Data,
+            origin: Origin::TopLeft,
+        };
+        Texture2d::new(&image).unwrap()
+    }
+
+    /// Quads in a row, `gap` between them, each cut, moved and seen in its own way. Some have no normal to go along, some fold.
+    fn quads(count: usize, gap: f32) -> Scene {
+        let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 3.0], [0.0; 3]));
+        scene.materials = vec![Material::default()];
+        scene.textures = vec![map(16), map(9), map(16).with_mips()];
+        let quad = |i: usize| {
+            let left = i as f32 * (1.0 + gap);
+            let mut slot = TextureSlot::new(i % 3);
+            slot.sampler.filter = FILTERS[i % 6];
+            let budget = match i % 4 {
+                0 => EdgeBudget::Pixels(9.0),
+                k => EdgeBudget::Texels(k as f32 + 1.0),
+            };
+            let up = if i % 7 == 3 { 0.0 } else { 1.0 };
+            let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            Mesh {
+                name: format!("quad {i}"),
+                positions: corners.map(|[x, y]| [left + x, y, 0.0]).to_vec(),
+                normals: corners
+                    .map(|[x, _]| [(i % 5) as f32 * (0.5 - x), 0.0, up])
+                    .to_vec(),
+                uvs: corners.to_vec(),
+                colors: corners[..4 * (i % 2)]
+                    .iter()
+                    .map(|[x, y]| [*x, *y, 0.5])
+                    .collect(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                faces: vec![7, i as u32],
+                uv_origin: [Origin::TopLeft, Origin::BottomLeft][i / 3 % 2],
+                world_from_object: DMat4::from_translation(DVec3::Z * (i % 3) as f64),
+                displacement: Some(Displacement {
+                    budget,
+                    ..Displacement::new(slot, 0.5 * (i % 4) as f32)
+                }),
+                ..Mesh::default()
+            }
+        };
+        scene.meshes = (0..count).map(quad).collect();
+        scene
+    }
+
+    /// Meshes and warnings, the second time mesh by mesh. Meshes are written out, so that no two different numbers are equal.
+    fn together_and_alone(mut scene: Scene) -> [(String, Vec<String>); 2] {
+        let (mut meshes, mut warnings) = (Vec::new(), Vec::new());
+        for mesh in &scene.meshes {
+            let mut alone = scene.clone();
+            alone.meshes = vec![mesh.clone()];
+            displace(&mut alone, 64).unwrap();
+            meshes.append(&mut alone.meshes);
+            warnings.append(&mut alone.warnings);
+        }
+        displace(&mut scene, 64).unwrap();
+        [
+            (format!("{:?}", scene.meshes), scene.warnings),
+            (format!("{meshes:?}"), warnings),
+        ]
+    }
+
+    #[test]
+    fn many_meshes_at_once_are_those_that_each_is_alone() {
+        let [together, alone] = together_and_alone(quads(48, 0.5));
+        assert!(together == alone);
+        for told in ["turn over", "stay where they are"] {
+            assert!(alone.1.iter().any(|w| w.contains(told)), "{told}");
+        }
+        // The negative twin: neighbours that share an edge agree on it.
+        let mut touching = quads(48, 0.0);
+        for mesh in &mut touching.meshes {
+            mesh.world_from_object = DMat4::IDENTITY;
+        }
+        let [together, alone] = together_and_alone(touching);
+        assert!(together.0 != alone.0);
+    }
 }
