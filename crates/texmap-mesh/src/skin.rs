@@ -12,9 +12,6 @@ use crate::{MeshError, map_vertices};
 use texmap_scene::Mesh;
 use texmap_scene::SceneError;
 
-/// Bones that a vertex can name.
-const MAX_BONES: usize = 1 << 16;
-
 /// Up to four bones and their weights for each vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skin {
@@ -168,6 +165,9 @@ impl Skin {
 }
 
 impl Skeleton {
+    /// Bones that a vertex can name.
+    pub const MAX_BONES: usize = 1 << 16;
+
     /// The matrices of a pose for [`Skin::bend`]. `turns[i]` is applied to bone i about its head, and to all that follow it.
     ///
     /// # Errors
@@ -195,7 +195,7 @@ impl Skeleton {
     }
 
     /// Weights from where the vertices lie: the nearest bone, softened about the joints as `blend` says. Of several near joints
-    /// the one that mixes most counts. Bones beyond the first 65,536 have no vertices.
+    /// the one that mixes most counts. Bones beyond [`MAX_BONES`](Self::MAX_BONES) have no vertices.
     #[must_use]
     pub fn skin(&self, positions: &[[f32; 3]], blend: SkinBlend) -> Skin {
         let mut skin = Skin::default();
@@ -221,14 +221,14 @@ impl Skeleton {
             let t = if t.is_nan() { 0.0 } else { t };
             (p - bone.head - along * t).length_squared()
         };
-        (0..self.bones.len().min(MAX_BONES))
+        (0..self.bones.len().min(Self::MAX_BONES))
             .min_by(|&a, &b| distance(&self.bones[a]).total_cmp(&distance(&self.bones[b])))
     }
 
     /// A vertex's bone, the one at the other side of its nearest joint, and the share of that one.
     fn mixed(&self, p: DVec3, own: usize, width: f64) -> (usize, usize, f64) {
         let mut best = (own, own, 0.0);
-        for (child, bone) in self.bones.iter().take(MAX_BONES).enumerate() {
+        for (child, bone) in self.bones.iter().take(Self::MAX_BONES).enumerate() {
             let Some(parent) = bone.parent.filter(|parent| child == own || *parent == own) else {
                 continue;
             };

@@ -71,7 +71,8 @@ pub struct Atlas {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AtlasOptions {
     /// Also texels that a face touches without covering their centre: no face that touches the atlas is lost, however small,
-    /// as long as there are texels enough where it lies and its corners are less than 32,768 texels from the atlas. A face without a texel takes one from a face that has several.
+    /// as long as there are texels enough where it lies and its corners are less than 32,768 texels from the atlas. A face without a
+    /// texel takes one from a face that has several.
     pub conservative: bool,
     /// Texels by which islands are dilated afterwards.
     pub gutter: u32,

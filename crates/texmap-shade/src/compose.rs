@@ -85,7 +85,7 @@ impl Kernel for Compose<'_> {
             }
             let [r, g, b] = self.display.of(i, color);
             let covered = if self.transmits {
-                let [passing, ..] = columns.transmitted.load(i, at);
+                let [passing] = columns.transmitted.load(i, at);
                 alpha * (one - passing)
             } else {
                 alpha

@@ -294,7 +294,7 @@ impl Kernel for MetallicLight<'_> {
             let [r, g, b] = sum;
             columns.color.store(i, at, [r, g, b, alpha]);
             if let Some(passing) = reflectance.transmitted() {
-                columns.transmitted.store(i, at, [passing; 3]);
+                columns.transmitted.store(i, at, [passing]);
             }
         }
     }

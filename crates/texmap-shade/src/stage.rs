@@ -77,7 +77,7 @@ pub struct ShadeColumns {
     /// Light in its own color.
     pub(crate) highlight: Columns<3>,
     /// Fraction of the light from behind that passes.
-    pub(crate) transmitted: Columns<3>,
+    pub(crate) transmitted: Columns<1>,
     /// Straight base colors and alpha; premultiplied final colors after the last stage.
     pub(crate) color: Colors,
     /// Texels and coordinates of the stage that runs; the next one reads its own.

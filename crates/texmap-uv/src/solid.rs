@@ -240,10 +240,8 @@ pub(crate) fn around(x: f64, z: f64) -> f64 {
 pub(crate) fn sphere(d: DVec3) -> SurfacePoint {
     let largest = d.abs().max_element();
     // Squares of others are no numbers.
-    let d = match !(1e-140..1e140).contains(&largest) && largest > 0.0 && largest.is_finite() {
-        true => d / largest,
-        false => d,
-    };
+    let plain = (1e-140..1e140).contains(&largest) || largest == 0.0 || !largest.is_finite();
+    let d = if plain { d } else { d / largest };
     let latitude = deterministic_f64::atan2(d.y, float::sqrt(d.x * d.x + d.z * d.z));
     SurfacePoint {
         u: around(d.x, d.z),

@@ -203,6 +203,14 @@ fn an_animation_is_a_series_of_poses() {
     let cameras = report["items"][0]["cameras"].as_array().unwrap().clone();
     assert_eq!(cameras.len(), 4);
     assert!(cameras.iter().all(|c| c["eye"] == cameras[0]["eye"]));
+    // The shadow on the ground moves no camera: it is no part of the model.
+    let run = desk.texmap(&format!(
+        "render {small} --frames 4 --rate 2 -o g.gif --ground-shadow"
+    ));
+    assert_eq!(
+        run.ok().json()["items"][0]["cameras"],
+        report["items"][0]["cameras"]
+    );
     hashes("--frames 4 --rate 2 -o a%d.png --background transparent");
     let mut highest = 40;
     for number in 0..4 {

@@ -141,16 +141,16 @@ mod tests {
             "{:?}",
             blender.warnings
         );
-        // A lamp of 1000 W, four metres above the cube.
+        // A point light of 1000 W, four metres above the cube.
         let candela = 1000.0 * LUMENS_PER_WATT / (4.0 * PI);
-        let mut lamp = cube(Light::Punctual {
+        let mut point = cube(Light::Punctual {
             intensity: [candela as f32; 3],
             position: [0.0, 4.0, 0.0],
             range: f32::INFINITY,
             cone: None,
         });
-        dim_bright_lights(&mut lamp);
-        assert!((color(&lamp) - 1000.0 / (4.0 * PI)).abs() < 1e-3);
+        dim_bright_lights(&mut point);
+        assert!((color(&point) - 1000.0 / (4.0 * PI)).abs() < 1e-3);
         for lux in [0.0, 10.0, 100.0] {
             let mut scene = cube(sun(lux));
             dim_bright_lights(&mut scene);
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn surfaces_in_no_light_do_not_count() {
-        // The cone of the lamp misses the cube, and unlit surfaces show no light.
+        // The range of the light ends before the cube, and unlit surfaces show no light.
         let mut unlit = cube(sun(1e4));
         unlit.materials[0].shading = Shading::Unlit;
         let mut away = cube(Light::Punctual {

@@ -23,7 +23,7 @@ pub(crate) use mtl::Description;
 pub(crate) use normals::unit;
 pub(crate) use parts::parts;
 pub(crate) use read::{Corner, Face, Group, NONE, Obj};
-pub(crate) use source::spells_nan;
+pub(crate) use source::{are_finite, spells_nan};
 
 /// The name of a part that has none.
 pub(crate) const UNNAMED: &str = "unnamed_object";

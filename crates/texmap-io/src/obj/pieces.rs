@@ -11,6 +11,7 @@ use memchr::{memchr, memrchr};
 use texmap_math::parallel;
 
 use super::read::{self, Counts, Group, Obj, Spans, read_piece};
+use super::source::are_finite;
 use crate::IoError;
 
 /// Bytes of a piece, and of the rest of its last statement.
@@ -112,9 +113,7 @@ impl Pieces {
             return None;
         }
         let positions = self.0.iter().flat_map(|piece| &piece.positions);
-        let broken: Vec<bool> = positions
-            .map(|position| !position.iter().all(|x| x.is_finite()))
-            .collect();
+        let broken: Vec<bool> = positions.map(|position| !are_finite(position)).collect();
         let corners = self.0.iter().flat_map(|piece| &piece.corners);
         let used = corners.map(|corner| corner.vertex as usize);
         used.filter(|vertex| broken[*vertex]).min()

@@ -5,7 +5,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::source::{Source, Span};
+use super::source::{Source, Span, are_finite};
 use crate::{IoError, SourceLocation};
 
 /// The index of data that a corner lacks.
@@ -253,7 +253,7 @@ impl<'a> Reader<'a> {
                         *c = x;
                     }
                 }
-                self.obj.not_finite.uvs += usize::from(!uv.iter().all(|c| c.is_finite()));
+                self.obj.not_finite.uvs += usize::from(!are_finite(&uv));
                 self.obj.uvs.push(uv);
                 if let Some(spans) = &mut self.spans {
                     spans.uvs.push(self.source.statement);
@@ -262,7 +262,7 @@ impl<'a> Reader<'a> {
             "vn" => {
                 self.source.count("vn", word, values, 3..=3, "3 numbers")?;
                 let mut normal = self.source.three_or_nan("vn", values)?;
-                if !normal.iter().all(|x| x.is_finite()) {
+                if !are_finite(&normal) {
                     // None, as for the zero vector.
                     normal = [0.0; 3];
                     self.obj.not_finite.normals += 1;
@@ -310,15 +310,14 @@ impl<'a> Reader<'a> {
         let expected = "3 numbers (x y z), 4 (with w) or 6 (with r g b)";
         self.source.count("v", word, values, 3..=6, expected)?;
         let mut position = self.source.three_or_nan("v", values)?;
-        let finite = |position: [f32; 3]| position.iter().all(|x| x.is_finite());
-        let is_finite = finite(position);
+        let is_finite = are_finite(&position);
         self.obj.not_finite.positions += usize::from(!is_finite);
         match values[3..] {
             [] => {}
             [weight] => {
                 let w = self.source.number("v", weight)?;
                 position = position.map(|x| x / w);
-                if is_finite && !finite(position) {
+                if is_finite && !are_finite(&position) {
                     return Err(self
                         .source
                         .out_of_range("v", weight, "a weight that is not zero"));

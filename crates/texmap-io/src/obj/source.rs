@@ -168,11 +168,7 @@ impl<'a> Source<'a> {
         command: &'static str,
         values: &[Span],
     ) -> Result<[f32; 3], IoError> {
-        let mut three = [0.0; 3];
-        for (x, value) in three.iter_mut().zip(values) {
-            *x = self.number(command, *value)?;
-        }
-        Ok(three)
+        first_three(values, |value| self.number(command, value))
     }
 
     /// Three numbers; NaN for each that is not finite.
@@ -181,11 +177,7 @@ impl<'a> Source<'a> {
         command: &'static str,
         values: &[Span],
     ) -> Result<[f32; 3], IoError> {
-        let mut three = [0.0; 3];
-        for (x, value) in three.iter_mut().zip(values) {
-            *x = self.number_or_nan(command, *value)?;
-        }
-        Ok(three)
+        first_three(values, |value| self.number_or_nan(command, value))
     }
 
     /// A number; NaN for one that is not finite.
@@ -267,6 +259,22 @@ impl<'a> Source<'a> {
         let column = in_line.chars().count() as u32 + 1;
         SourceLocation::new(self.file, self.line(word), column)
     }
+}
+
+fn first_three(
+    values: &[Span],
+    read: impl Fn(Span) -> Result<f32, IoError>,
+) -> Result<[f32; 3], IoError> {
+    let mut three = [0.0; 3];
+    for (x, value) in three.iter_mut().zip(values) {
+        *x = read(*value)?;
+    }
+    Ok(three)
+}
+
+/// True if every number is finite.
+pub(crate) fn are_finite(numbers: &[f32]) -> bool {
+    numbers.iter().all(|x| x.is_finite())
 }
 
 /// A byte of a text, as far as words are concerned.

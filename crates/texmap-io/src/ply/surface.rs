@@ -3,7 +3,7 @@
 use texmap_math::parallel;
 
 use super::records::{Field, Records};
-use crate::obj::{Corner, Face, NONE, Obj};
+use crate::obj::{Corner, Face, NONE, Obj, are_finite};
 
 /// A fault of a record.
 #[derive(Debug)]
@@ -123,7 +123,7 @@ impl Points {
 }
 
 fn is_broken<const N: usize>(values: &[f32; N]) -> bool {
-    !values.iter().all(|x| x.is_finite())
+    !are_finite(values)
 }
 
 fn first_broken<const N: usize>(values: &[[f32; N]]) -> Option<usize> {

@@ -72,7 +72,7 @@ impl Bones {
                 "a bone above this line, counted from 0",
             ));
         }
-        if count > usize::from(u16::MAX) {
+        if count >= Skeleton::MAX_BONES {
             return Err(out_of_range(count.to_string(), "65536 bones at most"));
         }
         self.skeleton.bones.push(Bone {

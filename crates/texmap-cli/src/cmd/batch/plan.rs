@@ -292,14 +292,14 @@ fn item(
             "name a folder, or a name with {model}",
         ));
     }
-    let place = |value: &str| {
+    let of_item = |value: &str| {
         let name = filled(value.into(), &id, input);
         text(Path::new(&name))
     };
     Ok(Item {
         input: text(input)?,
         output: text(&output)?,
-        settings: settings.replaced(&OUTPUTS, place)?,
+        settings: settings.replaced(&OUTPUTS, of_item)?,
         id,
     })
 }

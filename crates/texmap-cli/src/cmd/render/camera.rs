@@ -451,14 +451,17 @@ fn parallel(scene: &Scene, camera: Camera) -> Camera {
 
 /// True if an input is a scene, with a camera and lights of its own, and not a model.
 pub(crate) fn is_scene(input: &Path) -> bool {
-    let ending = input.extension().and_then(|e| e.to_str());
-    ending.is_some_and(|e| e.eq_ignore_ascii_case("scene"))
+    ends_in(input, &["scene"])
 }
 
 /// True for the formats of models that move.
 pub(crate) fn is_animated(input: &Path) -> bool {
-    let ending = input.extension().and_then(|e| e.to_str());
-    ending.is_some_and(|e| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf"))
+    ends_in(input, &["glb", "gltf"])
+}
+
+fn ends_in(input: &Path, endings: &[&str]) -> bool {
+    let own = input.extension().and_then(|e| e.to_str());
+    own.is_some_and(|own| endings.iter().any(|e| own.eq_ignore_ascii_case(e)))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use texmap_bake::MovingLight;
+use texmap_io::framing::Up;
 use texmap_io::npy;
 use texmap_math::Level;
 use texmap_math::camera::Camera;
@@ -22,6 +23,7 @@ use texmap_truth::verify::{Verified, verify, with_wrap};
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
 use crate::cmd::render::camera::{Shot, single};
+use crate::cmd::render::light::add_ground;
 use crate::cmd::render::plan::{Item, array_name, heat_name, rays_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, ItemReport, SceneReport, TimesReport, milliseconds,
@@ -42,6 +44,8 @@ pub(super) struct Context<'a> {
     pub(super) placed: bool,
     /// Milliseconds that loading took.
     pub(super) load: f64,
+    /// The axis of the model that points up.
+    pub(super) up: Up,
     /// The model at a time of its animation, dressed and lit.
     pub(super) posed: &'a dyn Fn(f64) -> Result<Scene, Failure>,
     /// The light that moves from picture to picture.
@@ -55,6 +59,7 @@ impl Context<'_> {
     pub(super) fn set(&self, scene: &mut Scene, shot: &Shot) -> Result<(), Failure> {
         if let Some(time) = shot.time {
             *scene = (self.posed)(time)?;
+            self.ground(scene)?;
             if self.args.camera.named.is_some() {
                 let file = &self.item.input;
                 scene.camera = single(self.args, file, scene, scene.camera)?;
@@ -65,6 +70,14 @@ impl Context<'_> {
         match (&self.moving, shot.light) {
             (Some(moving), Some(light)) => moving.place(scene, light).map_err(|e| self.refused(e)),
             _ => Ok(()),
+        }
+    }
+
+    /// Adds the shadow on the ground, if it is asked for and something is drawn.
+    pub(super) fn ground(&self, scene: &mut Scene) -> Result<(), Failure> {
+        match self.args.light.ground_shadow && !self.args.dry_run {
+            true => add_ground(scene, self.up).map_err(|e| self.refused(e)),
+            false => Ok(()),
         }
     }
 

@@ -4,8 +4,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::time::Instant;
 
-use texmap_bake::{GroundShadow, MovingLight};
-use texmap_io::framing::Up;
+use texmap_bake::MovingLight;
 use texmap_io::scene_file::Missing;
 use texmap_io::{FileSource, LoadOptions, PictureFormat};
 use texmap_math::Level;
@@ -18,7 +17,7 @@ use crate::cmd::render::draw::Context;
 use crate::cmd::render::light::Lit;
 use crate::cmd::render::plan::{Item, Kind};
 use crate::cmd::render::report::{ItemReport, milliseconds};
-use crate::failure::{Failure, Refusal};
+use crate::failure::Failure;
 use crate::observe;
 use crate::output::distinct;
 use crate::values::Background;
@@ -64,15 +63,10 @@ pub(crate) fn item(
     observe::read(files.recorded());
     let load = milliseconds(began.elapsed());
     let posed = |time| {
-        let options = LoadOptions {
+        prepared(&LoadOptions {
             time: Some(time),
             ..options.clone()
-        };
-        let mut scene = prepared(&options)?;
-        if args.light.ground_shadow && !args.dry_run {
-            ground(&mut scene, up).map_err(|e| refused_pose(item, e))?;
-        }
-        Ok(scene)
+        })
     };
     let sampled = args.supersample.is_some() || args.budget().is_some();
     let context = Context {
@@ -86,6 +80,7 @@ pub(crate) fn item(
         },
         placed: !scene_file && args.camera.is_placed(),
         load,
+        up,
         posed: &posed,
         moving: match args.camera.light_path {
             Some(_) => {
@@ -98,9 +93,7 @@ pub(crate) fn item(
         told: RefCell::default(),
     };
     let shots = shots(args, file, &scene, cameras, posed)?;
-    if args.light.ground_shadow && !args.dry_run {
-        ground(&mut scene, up).map_err(|e| context.refused(e))?;
-    }
+    context.ground(&mut scene)?;
     // Everything is checked before the first pixel: the scene once, the camera of every picture.
     let warnings = scene.check().map_err(|e| context.refused(e))?;
     context.aovs(&scene)?;
@@ -164,11 +157,6 @@ fn prepared(
     Ok(scene)
 }
 
-fn refused_pose(item: &Item, error: Refusal) -> Failure {
-    let place = item.input.display().to_string();
-    Failure::of_render(error, Some(&place), "give another --time")
-}
-
 fn refused_map(error: texmap_render::RenderError) -> Failure {
     let why = "bake the light maps without the light that moves: texmap bake --except LIGHT";
     Failure::of_render(error, None, why)
@@ -212,17 +200,6 @@ pub(super) fn keep_apart(
         read.extend(files.recorded());
     }
     distinct(outputs, read)
-}
-
-/// Adds the shadow on the ground. The cameras are set: they frame the model alone.
-fn ground(scene: &mut Scene, up: Up) -> Result<(), Refusal> {
-    let shaped = texmap_mesh::tessellate(&*scene, 256)?;
-    let shadow = GroundShadow::new(&shaped, up.direction())?;
-    drop(shaped);
-    if let Some(shadow) = shadow {
-        shadow.add_to(scene);
-    }
-    Ok(())
 }
 
 /// Loads a file. If one from standard input names others, and no folder for them is given, a warning or the error says how to give it.

@@ -12,7 +12,7 @@ use texmap_io::framing::{
 use texmap_light::{EnvironmentLayout, EnvironmentLight, Prefilter, Roughnesses, ToneMap};
 use texmap_scene::{Background, ColorMode, Material, Scene};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Refusal};
 
 /// Light from all around, the model of surfaces, exposure and tone mapping.
 #[derive(Args, Debug)]
@@ -197,6 +197,17 @@ impl LightArgs {
         }
         Ok(())
     }
+}
+
+/// Adds the shadow on the ground. The cameras are set: they frame the model alone.
+pub(crate) fn add_ground(scene: &mut Scene, up: Up) -> Result<(), Refusal> {
+    let shaped = texmap_mesh::tessellate(&*scene, 256)?;
+    let shadow = GroundShadow::new(&shaped, up.direction())?;
+    drop(shaped);
+    if let Some(shadow) = shadow {
+        shadow.add_to(scene);
+    }
+    Ok(())
 }
 
 /// The warning on properties of metallic-roughness surfaces that Phong's model does not draw.
