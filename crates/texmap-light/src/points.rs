@@ -38,7 +38,7 @@ pub fn reflect_across(view: &Ray, normal: &Ray, length: f32) -> Ray {
     lanes::reflect_across(Scalar, view, normal, length)
 }
 
-/// [`bump`](crate::bump()) on a surface with smooth normals: `n` is the unit normal of the shading, on the side that is seen, and stands
+/// [`bump`](crate::bump()) on a surface with smooth normals: `n` is the unit normal of the shading, and stands
 /// for the direction of `O_u x O_v`, whose length alone counts. Heights rise along `n`, whichever way u and v turn.
 /// Parallel O_u and O_v give `n`.
 #[must_use]

@@ -1,4 +1,6 @@
 //! Normal detail: normal maps and procedural bumps turn the normals of the vertices. (Bump and offset maps: [`slopes`](crate::slopes).)
+//!
+//! Relief belongs to the front of a surface: a bump of the front is a dent of the back, as on a sheet of metal.
 
 use texmap_light::lanes::{Vector, clamp_to_horizon, unit};
 use texmap_light::{NormalMap, NormalMapGreen};
@@ -73,8 +75,7 @@ impl Kernel for MappedNormals<'_> {
             let back = part.mask(i, inputs.sides.back[part.index]);
             let normal = match &self.space {
                 NormalSpace::Object(to_world) => {
-                    let world = transform(i, to_world, self.map.decode(i, texel));
-                    unit(i, flip(i, back, world))
+                    unit(i, transform(i, to_world, self.map.decode(i, texel)))
                 }
                 NormalSpace::Tangent(_) => {
                     let [x, y, z, w] = inputs.vectors.tangent;
@@ -83,15 +84,13 @@ impl Kernel for MappedNormals<'_> {
                         load(i, &y.value, at),
                         load(i, &z.value, at),
                     ];
-                    // The frame belongs to the front; on the back N and so B are flipped with it.
                     let sign = load(i, &w.value, at);
-                    let sign = back.select(-sign, sign);
                     let sign = sign.simd_lt(0.0).select(i.f32(-1.0), i.f32(1.0));
-                    let smooth = columns.normal.load(i, at);
-                    self.map.apply(i, smooth, tangent, sign, texel)
+                    let front = front_normal(i, back, at, columns);
+                    self.map.apply(i, front, tangent, sign, texel)
                 }
             };
-            store_normal(i, self.horizon_clamp, at, normal, columns);
+            store_normal(i, self.horizon_clamp, back, at, normal, columns);
         }
     }
 }
@@ -108,7 +107,8 @@ impl Kernel for BumpedNormals<'_> {
     #[inline(always)]
     fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
         for part in parts(i, inputs.reached) {
-            let mut normal = columns.normal.load(i, part.at);
+            let back = part.mask(i, inputs.sides.back[part.index]);
+            let mut normal = front_normal(i, back, part.at, columns);
             if let Some(position) = inputs.vectors.position {
                 let (point, changes) = (
                     load_vector(i, position, part.at),
@@ -116,20 +116,33 @@ impl Kernel for BumpedNormals<'_> {
                 );
                 normal = self.bump.normal(i, point, changes, normal);
             }
-            store_normal(i, self.horizon_clamp, part.at, normal, columns);
+            store_normal(i, self.horizon_clamp, back, part.at, normal, columns);
         }
     }
 }
 
-/// Stores normals, brought back to the horizon if that is asked for.
+/// The smooth normals of the front, whichever side is seen.
+#[inline(always)]
+pub(super) fn front_normal<I: Isa>(
+    i: I,
+    back: I::Mask,
+    at: usize,
+    columns: &ShadeColumns,
+) -> Vector<I> {
+    flip(i, back, columns.normal.load(i, at))
+}
+
+/// Stores normals of the front on the side that is seen, brought back to the horizon if that is asked for.
 #[inline(always)]
 pub(super) fn store_normal<I: Isa>(
     i: I,
     horizon_clamp: bool,
+    back: I::Mask,
     at: usize,
-    mut normal: Vector<I>,
+    front: Vector<I>,
     columns: &mut ShadeColumns,
 ) {
+    let mut normal = flip(i, back, front);
     if horizon_clamp {
         normal = clamp_to_horizon(i, normal, columns.toward_eye.load(i, at));
     }

@@ -10,7 +10,7 @@ use texmap_sample::{Origin, sample_soa};
 use crate::Slot;
 use crate::batch::{Colors, Columns, LANES, load, load_changes, parts, straight};
 use crate::fetch::pixel_samples;
-use crate::normal::store_normal;
+use crate::normal::{front_normal, store_normal};
 use crate::stage::{Inputs, Kernel, ShadeColumns};
 
 /// Normals turned by a map of heights, or of slopes.
@@ -64,12 +64,13 @@ impl Kernel for SlopeMap<'_> {
     #[inline(always)]
     fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
         for part in parts(i, inputs.reached) {
-            let mut normal = columns.normal.load(i, part.at);
+            let back = part.mask(i, inputs.sides.back[part.index]);
+            let mut normal = front_normal(i, back, part.at, columns);
             if let Some(position) = inputs.vectors.position {
                 let changes = load_changes(i, position, part.at);
                 normal = columns.slopes.bump(i, part.at, normal, changes);
             }
-            store_normal(i, self.horizon_clamp, part.at, normal, columns);
+            store_normal(i, self.horizon_clamp, back, part.at, normal, columns);
         }
     }
 }

@@ -514,3 +514,76 @@ fn lights_have_names() {
         assert!(error.to_string().contains("name is '"), "{error}");
     }
 }
+
+/// Relief belongs to the front of a surface. Seen from behind, a tilt of the front's normals is that of the same sheet, by its closed form, and
+/// the picture of waves is that of the turned mesh with dents instead.
+#[test]
+fn bumps_of_the_front_are_dents_of_the_back() {
+    let (mut scene, slope) = wavy();
+    scene.camera.look = DVec3::new(0.0, 0.0, -2.5);
+    let eyes = [DVec3::ZERO, DVec3::new(0.0, 0.0, -5.0)];
+    // A rise of 1 in 4 to the right (u), of 1 in 8 up, on a wall of 4 x 4 units in the plane z = -2.5.
+    let tilted = DVec3::new(-0.25, -0.125, 1.0).normalize();
+    let code = encode_normal(tilted.as_vec3().to_array(), NormalMapGreen::Up);
+    let offset = encode_offsets([1.0, 0.5]);
+    scene.textures.push(floats(3, &code.repeat(SIDE as usize)));
+    let offset = [offset[0], offset[1], 0.0];
+    scene
+        .textures
+        .push(floats(3, &offset.repeat(SIDE as usize)));
+    let map = |object_space| NormalDetail::NormalMap {
+        slot: slot(3, Filter::Bilinear).unwrap(),
+        green: NormalMapGreen::Up,
+        rebuild_z: false,
+        object_space,
+        strength: 1.0,
+    };
+    for detail in [map(false), map(true), offsets(4, 1.0, NormalMapGreen::Up)] {
+        for (eye, side) in eyes.into_iter().zip([1.0, -1.0]) {
+            let toward = DVec3::new(0.7, 0.3, 0.6 * side).normalize();
+            scene.lights = vec![Light::Directional {
+                color: [1.0; 3],
+                direction: (-toward).as_vec3().to_array(),
+            }];
+            scene.camera.eye = eye;
+            scene.materials[0] = matte(detail.clone());
+            let found = f64::from(pixel(&draw(&scene, 60, 60), 30, 30)[0]);
+            let cosine = |n: DVec3| 255.0 * n.dot(toward);
+            let truth = cosine(tilted * side);
+            assert!((found - truth).abs() <= 1.0, "{detail:?} {side}: {found} {truth}");
+            // A bump of both sides.
+            let twin = cosine(DVec3::new(tilted.x, tilted.y, tilted.z * side));
+            assert!(side > 0.0 || (found - twin).abs() > 20.0, "{twin}");
+        }
+    }
+    scene.camera.eye = eyes[1];
+    let carved = |height| NormalDetail::Procedural {
+        heights: ProceduralHeight::Pattern(Pattern::Noise { octaves: 3 }),
+        world_from_solid: DMat4::from_scale(DVec3::splat(0.3)),
+        height,
+    };
+    let bumped = |height| NormalDetail::Bump {
+        slot: slot(0, Filter::Bilinear).unwrap(),
+        height,
+    };
+    let sloping = |slope| offsets(1, slope, NormalMapGreen::Up);
+    let mut turned = scene.clone();
+    for triangle in &mut turned.meshes[0].triangles {
+        triangle.swap(1, 2);
+    }
+    for (bump, dent) in [
+        (carved(0.1), carved(-0.1)),
+        (bumped(0.4), bumped(-0.4)),
+        (sloping(slope), sloping(-slope)),
+    ] {
+        scene.materials[0] = matte(bump.clone());
+        let back = draw(&scene, 90, 90);
+        let mut with = |detail| {
+            turned.materials[0] = matte(detail);
+            most(&back, &draw(&turned, 90, 90))
+        };
+        let difference = with(dent);
+        assert!(difference <= 1, "{bump:?}: {difference}");
+        assert!(with(bump) > 20);
+    }
+}

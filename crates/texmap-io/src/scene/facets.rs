@@ -16,11 +16,19 @@ use crate::obj::unit;
 /// Vertices of a file, and the meshes that its faces have made.
 #[derive(Debug, Default)]
 pub(super) struct Facets {
-    /// World positions.
-    vertices: Vec<DVec3>,
+    vertices: Vec<Vertex>,
     /// Sum of the area normals of the lit faces at each vertex, and the first of them.
     normals: Vec<[DVec3; 2]>,
     meshes: Vec<Run>,
+}
+
+/// A `v` line.
+#[derive(Debug)]
+struct Vertex {
+    /// In the world.
+    position: DVec3,
+    /// The transform of its line mirrors.
+    mirrored: bool,
 }
 
 /// A mesh in the making.
@@ -56,8 +64,8 @@ pub(super) struct Facet<'a> {
 }
 
 impl Facets {
-    pub(super) fn vertex(&mut self, position: DVec3) {
-        self.vertices.push(position);
+    pub(super) fn vertex(&mut self, position: DVec3, mirrored: bool) {
+        self.vertices.push(Vertex { position, mirrored });
         self.normals.push([DVec3::ZERO; 2]);
     }
 
@@ -103,6 +111,10 @@ impl Facets {
                 known: HashMap::new(),
             });
         }
+        let mirrored = facet
+            .corners
+            .iter()
+            .all(|&(vertex, _)| self.vertices[vertex as usize].mirrored);
         let (Some(run), Some(mesh)) = (self.meshes.last_mut(), scene.meshes.last_mut()) else {
             return;
         };
@@ -114,7 +126,7 @@ impl Facets {
                     .entry((vertex, uv.map(f32::to_bits)))
                     .or_insert_with(|| {
                         mesh.positions
-                            .push(self.vertices[vertex as usize].as_vec3().to_array());
+                            .push(self.vertices[vertex as usize].position.as_vec3().to_array());
                         if facet.has_uv {
                             mesh.uvs.push(uv);
                         }
@@ -124,20 +136,27 @@ impl Facets {
             })
             .collect();
         for (k, pair) in corners[1..].windows(2).enumerate() {
-            mesh.triangles.push([corners[0], pair[0], pair[1]]);
+            // A mirror reverses the turn of the corners; the front stays the front.
+            let [a, b] = if mirrored { [1, 0] } else { [0, 1] }.map(|k| pair[k]);
+            mesh.triangles.push([corners[0], a, b]);
             mesh.faces.push(facet.number);
             if facet.lit {
-                self.add_normal(facet.corners, k);
+                self.add_normal(facet.corners, k, mirrored);
             }
         }
     }
 
+    /// World position of a vertex of the file.
+    fn position(&self, vertex: u32) -> DVec3 {
+        self.vertices[vertex as usize].position
+    }
+
     /// The course's rule: corners 0 and 1 of a face take the area normal of its first triangle, each later corner that
     /// of the triangle which it closes.
-    fn add_normal(&mut self, corners: &[(u32, [f32; 2])], k: usize) {
+    fn add_normal(&mut self, corners: &[(u32, [f32; 2])], k: usize, mirrored: bool) {
         let [first, a, b] = [0, k + 1, k + 2].map(|i| corners[i].0);
-        let [p, q, r] = [first, a, b].map(|i| self.vertices[i as usize]);
-        let area = (q - p).cross(r - p);
+        let [p, q, r] = [first, a, b].map(|i| self.position(i));
+        let area = (q - p).cross(r - p) * if mirrored { -1.0 } else { 1.0 };
         let takers = [Some(b), (k == 0).then_some(first), (k == 0).then_some(a)];
         for vertex in takers.into_iter().flatten() {
             let [sum, first] = &mut self.normals[vertex as usize];
@@ -174,7 +193,7 @@ impl Facets {
     ) -> Option<String> {
         let points: Vec<DVec3> = corners
             .iter()
-            .map(|&(i, _)| self.vertices[i as usize])
+            .map(|&(i, _)| self.position(i))
             .collect();
         let area: DVec3 = points[1..]
             .windows(2)

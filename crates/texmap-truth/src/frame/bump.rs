@@ -71,7 +71,7 @@ impl<'s> BumpMap<'s> {
         }
     }
 
-    /// The unit normal that it leaves of a unit normal on the side that is seen.
+    /// The unit normal that it leaves of a unit normal of the front.
     pub(super) fn normal(&self, at: &Point, n: DVec3) -> DVec3 {
         match self {
             Self::Formula(formula) => formula.normal(at, n),
@@ -113,9 +113,7 @@ impl<'s> BumpMap<'s> {
                 };
                 let map = DVec3::new(texel.x * strength, y * strength, z);
                 if let Some(matrix) = world_from_normal {
-                    let world = *matrix * map;
-                    let seen = if at.front { world } else { -world };
-                    return seen.normalize_or_zero();
+                    return (*matrix * map).normalize_or_zero();
                 }
                 let (tangent, sign) = at.tangent;
                 let turned = tangent * map.x + n.cross(tangent) * (sign * map.y) + n * map.z;

@@ -356,7 +356,9 @@ impl<'s> Surface<'s> {
     pub(super) fn turned_normal(&self, at: &Point) -> DVec3 {
         let n = at.normal.normalize_or_zero();
         let Some(bump) = &self.bump else { return n };
-        let turned = bump.normal(at, n);
+        // Relief belongs to the front: seen from behind, a bump is a dent.
+        let side = if at.front { 1.0 } else { -1.0 };
+        let turned = side * bump.normal(at, side * n);
         if self.material().horizon_clamp {
             clamped(turned, at.view.direction.normalize_or_zero())
         } else {
@@ -407,10 +409,9 @@ impl<'s> Surface<'s> {
             plane: self.flat(triangle).normalize_or_zero() * side,
             place: self.place(triangle, hit, pinhole, x, y),
             baked_place: self.second_place(triangle, hit),
-            // The frame belongs to the front; on the back its third vector, and with it the second, is turned round.
             tangent: (
                 hit.vector(tangents.map(|t| t.0)),
-                side * hit.attribute(tangents.map(|t| t.1)).signum(),
+                hit.attribute(tangents.map(|t| t.1)).signum(),
             ),
             view: Ray {
                 direction: -pinhole.direction(x, y),

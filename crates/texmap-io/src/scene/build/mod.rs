@@ -164,7 +164,8 @@ impl Builder {
     /// `v`.
     pub(super) fn vertex(&mut self, line: &mut Line<'_>) -> Result<(), IoError> {
         let position = DVec3::from(line.numbers());
-        let position = self.settings.transform.transform_point3(position);
+        let transform = self.settings.transform;
+        let position = transform.transform_point3(position);
         if !position.as_vec3().is_finite() {
             return Err(IoError::NotFinite {
                 location: line.location.clone(),
@@ -172,7 +173,8 @@ impl Builder {
                 text: position.to_string(),
             });
         }
-        self.facets.vertex(position);
+        self.facets
+            .vertex(position, transform.determinant() < 0.0);
         Ok(())
     }
 
