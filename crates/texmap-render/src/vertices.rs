@@ -11,7 +11,7 @@ use texmap_math::glam::DVec3;
 use texmap_raster::Cull;
 use texmap_sample::Origin;
 
-use texmap_scene::{Mesh, Scene, UvSet};
+use texmap_scene::{Mesh, Scene};
 
 /// A group of attributes.
 #[derive(Clone, Copy, PartialEq)]
@@ -29,9 +29,9 @@ pub(crate) enum Values {
     Normal,
     /// World space.
     Position,
-    /// World-space tangent and the sign of the bitangent: the mesh's own, or those of this set of coordinates by corners, which split vertices
-    /// where they differ.
-    Tangent(UvSet),
+    /// World-space tangent and the sign of the bitangent: the mesh's own, or those of the material's normal map by corners, which split
+    /// vertices where they differ.
+    Tangent,
     /// The second set of coordinates.
     LightMapUv,
 }
@@ -40,7 +40,7 @@ impl Values {
     fn len(self) -> usize {
         match self {
             Self::Uv | Self::LightMapUv => 2,
-            Self::Tangent(_) => 4,
+            Self::Tangent => 4,
             _ => 3,
         }
     }
@@ -104,7 +104,10 @@ impl Vertices {
         let mut positions = Cow::Borrowed(mesh.positions.as_slice());
         let mut groups = self.groups.iter();
         let split = groups.find_map(|group| match group {
-            Values::Tangent(set) if mesh.tangents.is_empty() => Some(Split::new(mesh, *set)),
+            Values::Tangent if mesh.tangents.is_empty() => {
+                let detail = scene.materials[mesh.material].normal_detail.as_ref()?;
+                Some(Split::new(mesh, &detail.slot()?.tangent_uvs(mesh)))
+            }
             _ => None,
         });
         if let Some(split) = &split {
@@ -190,9 +193,9 @@ struct Split {
 }
 
 impl Split {
-    fn new(mesh: &Mesh, set: UvSet) -> Self {
+    fn new(mesh: &Mesh, uvs: &[[f32; 2]]) -> Self {
         const NONE: u32 = u32::MAX;
-        let of_corners = corner_tangents(mesh, set, &mesh.object_normals());
+        let of_corners = corner_tangents(mesh, uvs, &mesh.object_normals());
         let (mut vertices, mut tangents) = (Vec::new(), Vec::<[f32; 4]>::new());
         // The first part of each vertex, and the next part after each part.
         let mut first = vec![NONE; mesh.positions.len()];
@@ -258,7 +261,7 @@ where
                 Values::Highlight => put(rest, terms.highlight),
                 Values::Normal => put(rest, narrow((self.normal)(vertex))),
                 Values::Position => put(rest, narrow((self.point)(vertex))),
-                Values::Tangent(_) => {
+                Values::Tangent => {
                     let of_corners = self.split.as_ref().map(|split| split.tangents[part]);
                     let tangent = of_corners
                         .or_else(|| self.mesh.tangents.get(vertex).copied())
@@ -321,15 +324,11 @@ fn times(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 }
 
 /// Tangents of a mesh's corners for normal maps whose y points up the picture: object-space vectors and the sign of the bitangent.
-fn corner_tangents(mesh: &Mesh, set: UvSet, normals: &[DVec3]) -> Vec<[f32; 4]> {
+fn corner_tangents(mesh: &Mesh, uvs: &[[f32; 2]], normals: &[DVec3]) -> Vec<[f32; 4]> {
     let faces = texmap_uv::Faces::from_triangles(&mesh.triangles);
     let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
-    let uvs = match set {
-        UvSet::First => &mesh.uvs,
-        UvSet::Second => &mesh.lightmap_uvs,
-    };
     let set = texmap_uv::UvSet {
-        uvs: uvs.clone(),
+        uvs: uvs.to_vec(),
         corners: corners.clone(),
     };
     let normal = |v: &u32| normals[*v as usize].normalize_or_zero().to_array();

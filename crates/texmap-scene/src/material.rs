@@ -1,11 +1,14 @@
 //! Materials: base colour, textures, answer to light.
 
+use std::borrow::Cow;
+
 use texmap_light::{PhongMaterial, Roughnesses, SpecularModel};
 use texmap_raster::{Cull, Interp};
 use texmap_sample::{Sampler, UvTransform};
 
 use crate::{
-    Emission, LightMapSlot, MetallicRoughness, NormalDetail, Reflection, SolidTexture, SurfaceMaps,
+    Emission, LightMapSlot, Mesh, MetallicRoughness, NormalDetail, Reflection, SolidTexture,
+    SurfaceMaps,
 };
 
 /// Appearance of a surface.
@@ -207,6 +210,23 @@ pub enum UvSet {
 }
 
 impl TextureSlot {
+    /// Coordinates of a mesh along which the texture lies on it: those that tangents follow. They are turned and mirrored as the transform says;
+    /// its offset, and scales above 0 alone, leave all directions.
+    #[must_use]
+    pub fn tangent_uvs<'m>(&self, mesh: &'m Mesh) -> Cow<'m, [[f32; 2]]> {
+        let uvs = match self.uv_set {
+            UvSet::First => &mesh.uvs,
+            UvSet::Second => &mesh.lightmap_uvs,
+        };
+        let transform = &self.transform;
+        if transform.rotation == 0.0 && transform.scale.iter().all(|s| *s > 0.0) {
+            return Cow::Borrowed(uvs);
+        }
+        let [[a, b, _], [c, d, _]] = transform.rows();
+        let turned = uvs.iter().map(|[u, v]| [a * u + b * v, c * u + d * v]);
+        Cow::Owned(turned.collect())
+    }
+
     /// The texture of this index in [`Scene::textures`](crate::Scene::textures), by the default sampler and without a transform.
     #[must_use]
     pub fn new(texture: usize) -> Self {

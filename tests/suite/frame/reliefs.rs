@@ -5,7 +5,9 @@ use texmap_light::{
 };
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_render::{Aov, Frame};
-use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, Pattern, TexelData, Texture2d};
+use texmap_sample::{
+    Alpha, ColorSpace, Filter, Image, Origin, Pattern, TexelData, Texture2d, UvTransform,
+};
 use texmap_scene::SceneError;
 use texmap_scene::{Material, Mesh, NormalDetail, ProceduralHeight, Scene, Shadow};
 use texmap_tests::levels::levels;
@@ -550,7 +552,10 @@ fn bumps_of_the_front_are_dents_of_the_back() {
             let found = f64::from(pixel(&draw(&scene, 60, 60), 30, 30)[0]);
             let cosine = |n: DVec3| 255.0 * n.dot(toward);
             let truth = cosine(tilted * side);
-            assert!((found - truth).abs() <= 1.0, "{detail:?} {side}: {found} {truth}");
+            assert!(
+                (found - truth).abs() <= 1.0,
+                "{detail:?} {side}: {found} {truth}"
+            );
             // A bump of both sides.
             let twin = cosine(DVec3::new(tilted.x, tilted.y, tilted.z * side));
             assert!(side > 0.0 || (found - twin).abs() > 20.0, "{twin}");
@@ -586,4 +591,51 @@ fn bumps_of_the_front_are_dents_of_the_back() {
         assert!(difference <= 1, "{bump:?}: {difference}");
         assert!(with(bump) > 20);
     }
+}
+
+/// A normal map whose slot turns and mirrors its coordinates is the map on coordinates that are so already: made tangents follow.
+#[test]
+fn made_tangents_follow_the_transform_of_their_map() {
+    let (mut scene, _) = wavy();
+    let tilted = DVec3::new(-0.5, -0.2, 1.0).normalize();
+    let code = encode_normal(tilted.as_vec3().to_array(), NormalMapGreen::Up);
+    scene.textures.push(floats(3, &code.repeat(SIDE as usize)));
+    let picture = |transform: UvTransform, baked: bool| {
+        let mut scene = scene.clone();
+        let mut map = slot(3, Filter::Bilinear).unwrap();
+        if baked {
+            for uv in &mut scene.meshes[0].uvs {
+                *uv = transform.apply(*uv);
+            }
+        } else {
+            map.transform = transform;
+        }
+        scene.materials[0] = matte(NormalDetail::NormalMap {
+            slot: map,
+            green: NormalMapGreen::Up,
+            rebuild_z: false,
+            object_space: false,
+            strength: 1.0,
+        });
+        draw(&scene, 40, 40)
+    };
+    let plain = picture(UvTransform::default(), false);
+    let turned = |rotation, scale| UvTransform {
+        rotation,
+        scale,
+        ..UvTransform::default()
+    };
+    for transform in [
+        turned(std::f32::consts::FRAC_PI_2, [1.0, 1.0]),
+        turned(0.3, [2.0, 0.5]),
+        turned(0.0, [-1.0, 1.0]),
+        turned(0.0, [1.0, -3.0]),
+    ] {
+        let (found, expected) = (picture(transform, false), picture(transform, true));
+        assert!(most(&found, &expected) <= 1, "{transform:?}");
+        assert!(most(&found, &plain) > 10, "{transform:?}");
+    }
+    // Scales alone turn nothing.
+    let scaled = picture(turned(0.0, [3.0, 0.7]), false);
+    assert_eq!(most(&scaled, &plain), 0);
 }

@@ -146,7 +146,7 @@ fn normal_detail<'s>(
                 let linear = DMat3::from_mat4(mesh.world_from_object);
                 NormalSpace::Object(linear.inverse().transpose())
             } else {
-                NormalSpace::Tangent(vertices.push(Values::Tangent(map.uv_set), false))
+                NormalSpace::Tangent(vertices.push(Values::Tangent, false))
             };
             let decoder = NormalMap {
                 green: *green,

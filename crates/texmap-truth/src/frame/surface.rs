@@ -69,10 +69,17 @@ impl<'s> Surface<'s> {
         let emission = emission.map(|emission| Emitter::new(emission, mesh, textures));
         let tangents = match &bump {
             Some(BumpMap::Normals {
-                slot,
                 world_from_normal: None,
                 ..
-            }) => corner_tangents(mesh, slot.uv_set),
+            }) => {
+                let slot = material
+                    .normal_detail
+                    .as_ref()
+                    .and_then(texmap_scene::NormalDetail::slot);
+                slot.map_or_else(Vec::new, |slot| {
+                    corner_tangents(mesh, &slot.tangent_uvs(mesh))
+                })
+            }
             _ => Vec::new(),
         };
         let metal = material.metallic_roughness.as_ref();

@@ -2,14 +2,14 @@
 
 use texmap_math::glam::DVec3;
 use texmap_sample::Origin;
-use texmap_scene::{Mesh, UvSet};
+use texmap_scene::Mesh;
 
 use super::color::wide;
 use super::surface::{linear, object_normals};
 
 /// World-space tangents of a mesh's corners, and the sign that makes `sign (N x T)` point up the picture: those of the mesh, or else
-/// of a set of its coordinates. Zero if the mesh has no coordinates.
-pub(super) fn corner_tangents(mesh: &Mesh, set: UvSet) -> Vec<(DVec3, f64)> {
+/// of these coordinates. Zero if there are none.
+pub(super) fn corner_tangents(mesh: &Mesh, uvs: &[[f32; 2]]) -> Vec<(DVec3, f64)> {
     let world = linear(mesh);
     let mirror = if world.determinant() < 0.0 { -1.0 } else { 1.0 };
     let in_world = |[x, y, z, sign]: [f32; 4], up: f64| {
@@ -33,10 +33,7 @@ pub(super) fn corner_tangents(mesh: &Mesh, set: UvSet) -> Vec<(DVec3, f64)> {
     };
     let at_corners: Vec<[f32; 3]> = corners.iter().map(normal).collect();
     let set = texmap_uv::UvSet {
-        uvs: match set {
-            UvSet::First => mesh.uvs.clone(),
-            UvSet::Second => mesh.lightmap_uvs.clone(),
-        },
+        uvs: uvs.to_vec(),
         corners,
     };
     let found = texmap_uv::Mesh::new(&mesh.positions, &faces)
