@@ -68,9 +68,14 @@ impl<'s> Plan<'s> {
         };
         let mut surfaces = Vec::with_capacity(scene.meshes.len());
         surfaces.extend(sky(scene, settings, chains, &view));
-        for (mesh, number) in scene.meshes.iter().zip(0..) {
+        for draw in scene.drawing_order() {
+            let mesh = &scene.meshes[draw.mesh];
             let surface = surface(scene, settings, chains, ready, &view, mesh, aovs);
-            surfaces.push(Surface { number, ..surface });
+            surfaces.push(Surface {
+                number: draw.mesh as u32,
+                cull: draw.cull,
+                ..surface
+            });
         }
         for volume in &scene.effects.volumes {
             let transfer = volume
@@ -116,7 +121,7 @@ impl<'s> Plan<'s> {
                 screen_linear: s.vertices.screen_linear,
                 interp: s.interp,
                 interp_scale: s.interp_scale,
-                cull: s.material.cull,
+                cull: s.cull,
                 depth_test: s.depth_test.unwrap_or(scene.depth_test),
                 depth_write: true,
                 pass: s.pass,

@@ -31,6 +31,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod drawing_order;
 mod effects;
 mod error;
 mod light_names;
@@ -43,6 +44,7 @@ pub mod shadow_fit;
 mod shapes;
 mod solid_field;
 
+pub use drawing_order::{BlendOrder, MeshDraw};
 pub use effects::{
     Background, Effects, Emission, LightMapSlot, NormalDetail, ProceduralHeight, ProjectorLight,
     ProjectorMode, Reflection, Shadow, SolidTexture, SolidTextureSource, SurfaceMaps, ToneMapping,

@@ -7,6 +7,7 @@ use texmap_math::camera::Camera;
 use texmap_raster::DepthTest;
 use texmap_sample::Texture2d;
 
+use crate::BlendOrder;
 use crate::{Effects, Material, Mesh};
 
 /// Everything that is drawn. A scene is data: `texmap_render::render` reads it and changes nothing.
@@ -22,13 +23,15 @@ pub struct Scene {
     /// The surface that wins of two at one depth: the first drawn (`Less`) or the last (`LessOrEqual`). Without a test (`Always`)
     /// the last drawn wins at any depth.
     pub depth_test: DepthTest,
+    /// The order in which blended meshes are composed.
+    pub blend_order: BlendOrder,
     /// Light sources, in world space. Read only by materials that are shaded.
     pub lights: Vec<Light>,
     /// Textures that the slots of materials name by index.
     pub textures: Vec<Texture2d<'static>>,
     /// Materials that meshes name by index.
     pub materials: Vec<Material>,
-    /// Meshes, in the order in which they are submitted: it settles equal depths and blending.
+    /// Meshes, in the order in which they are submitted: it settles equal depths and, but for [`blend_order`](Self::blend_order), blending.
     pub meshes: Vec<Mesh>,
     /// Shadows, projectors and environments; none by default.
     pub effects: Effects,
@@ -45,6 +48,7 @@ impl Scene {
             background: [0.0, 0.0, 0.0, 1.0],
             color: ColorMode::Srgb,
             depth_test: DepthTest::Less,
+            blend_order: BlendOrder::OfMeshes,
             lights: Vec::new(),
             textures: Vec::new(),
             materials: Vec::new(),

@@ -246,6 +246,20 @@ fn black_diffuse_does_not_hide_a_map() {
     );
 }
 
+/// Nothing darkens the colours of vertices that a model brings without a material.
+#[test]
+fn vertex_colours_are_drawn_as_they_are() {
+    let files = Files::new().with(
+        "a.obj",
+        "v 0 0 0 .5 .25 .75\nv 1 0 0 .5 .25 .75\nv 0 1 0 .5 .25 .75\nf 1 2 3\n",
+    );
+    let scene = files.load("a.obj").expect("a model");
+    assert_eq!(
+        scene.materials[scene.meshes[0].material].phong.color,
+        [1.0; 3]
+    );
+}
+
 #[test]
 fn backslashes_separate_folders_too() {
     let scene = files("newmtl m\nmap_Kd maps\\wall.png\n").with("maps/x", "");

@@ -135,6 +135,7 @@ fn scene(seed: u64) -> (Scene, Budget) {
         }],
         effects: Default::default(),
         depth_test: Default::default(),
+        blend_order: Default::default(),
         warnings: Vec::new(),
     };
     (scene, Budget { texels: 0.5, rmse })

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use texmap_math::glam::{DMat4, DVec3};
+use texmap_math::glam::DMat4;
 use texmap_scene::{AlphaMode, Material, Mesh, NormalDetail, Shading, UvSet};
 
 use super::animation::Pose;
@@ -34,7 +34,7 @@ pub(super) fn meshes(
         reader.default = Some(described.len());
         described.push(materials::standard());
     }
-    for n in &tree.drawn {
+    for n in &tree.shown {
         reader.node(model, *n, tree, pose, described)?;
     }
     for (what, (count, first)) in sorted(reader.told) {
@@ -272,23 +272,4 @@ fn instances(model: &Model<'_>, instancing: &Instancing, at: &str) -> Result<Vec
         scale: scales.as_ref().map_or(rest.scale, |s| s[i]),
     };
     Ok((0..count.unwrap_or(1)).map(|i| place(i).matrix()).collect())
-}
-
-/// Puts blended meshes behind all others, the farthest from `eye` first: they are composed in the order of drawing.
-pub(super) fn order(meshes: &mut [Mesh], materials: &[Material], eye: DVec3) {
-    let key = |mesh: &Mesh| {
-        if materials[mesh.material].alpha != AlphaMode::Blend {
-            return 0;
-        }
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for p in &mesh.positions {
-            let p = DVec3::from(p.map(f64::from));
-            (low, high) = (low.min(p), high.max(p));
-        }
-        let center = mesh.world_from_object.transform_point3(0.5 * (low + high));
-        // Bits of positive floats rise with them.
-        !(center - eye).length_squared().to_bits()
-    };
-    // Stable: equal distances stay in the order of the file.
-    meshes.sort_by_cached_key(key);
 }

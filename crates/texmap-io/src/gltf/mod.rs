@@ -70,7 +70,6 @@ pub(crate) fn read(
     if let Some(wanted) = &options.camera {
         scene.camera = cameras::camera(&mut model, &tree, &placed, wanted, options.aspect)?;
     }
-    meshes::order(&mut scene.meshes, &scene.materials, scene.camera.eye);
     let scenes = model.document.scenes.len();
     if scenes > 1 {
         let drawn = model.document.scene.unwrap_or(0);

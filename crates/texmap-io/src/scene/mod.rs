@@ -1,6 +1,7 @@
 //! Files to scenes.
 
 mod build;
+mod coarse;
 mod effects;
 mod environments;
 mod facets;
@@ -20,7 +21,7 @@ use texmap_light::PhongMaterial;
 use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_raster::DepthTest;
-use texmap_scene::{ColorMode, Scene};
+use texmap_scene::{BlendOrder, ColorMode, Scene};
 
 use crate::files::is_called;
 use crate::framing::{Framing, auto_lights};
@@ -257,7 +258,7 @@ fn read_model(
     };
     let settings = Settings {
         missing,
-        surf: Some(matte),
+        matte: Some(matte),
         ..Settings::default()
     };
     let mut builder = Builder::new(empty_scene(color), textures, settings);
@@ -267,11 +268,14 @@ fn read_model(
     builder.model(model, &stem, &SourceLocation::new(path, 1, 1));
     let (mut scene, textures) = builder.finish()?;
     present(&mut scene, options);
+    let warning = coarse::coarse(&scene);
+    scene.warnings.extend(warning);
     Ok((scene, textures))
 }
 
 /// Gives a model that stands alone a background, a camera and lights.
 pub(crate) fn present(scene: &mut Scene, options: &LoadOptions) {
+    scene.blend_order = BlendOrder::FarthestFirst;
     // Neither black nor white: dark and light parts stand out.
     scene.background = [0.22, 0.24, 0.27, 1.0];
     if let Some(camera) = options.framing.camera(scene, options.aspect) {

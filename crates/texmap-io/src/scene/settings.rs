@@ -25,6 +25,8 @@ use crate::{SourceLocation, obj};
 pub(super) struct Settings {
     /// With colours as the file has them.
     pub(super) surf: Option<PhongMaterial>,
+    /// The surface without a `surf`, but for vertex colours, which nothing darkens.
+    pub(super) matte: Option<PhongMaterial>,
     pub(super) texture: Option<CurrentTexture>,
     pub(super) frame: Option<TextureFrame>,
     /// In world space; wins over `frame`.
@@ -61,6 +63,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             surf: None,
+            matte: None,
             texture: None,
             frame: None,
             round: None,
@@ -104,7 +107,7 @@ pub(super) const WHITE: PhongMaterial = PhongMaterial {
 impl Settings {
     /// An untextured face.
     pub(super) fn plain(&self, color: ColorMode) -> Material {
-        let surf = self.surf.unwrap_or(COURSE);
+        let surf = self.surf.or(self.matte).unwrap_or(COURSE);
         Material {
             name: "surf".into(),
             phong: surface(&surf, color),
@@ -125,7 +128,7 @@ impl Settings {
     ) -> Material {
         Material {
             name: texture.name.clone(),
-            phong: surface(&self.surf.unwrap_or(WHITE), color),
+            phong: surface(&self.surf.or(self.matte).unwrap_or(WHITE), color),
             base_color: Some(self.slot(texture.index, UvTransform::default(), false, color)),
             texture_role: self.role.unwrap_or(role),
             alpha: self.alpha(texture.has_alpha),

@@ -1,7 +1,7 @@
 //! One mesh of a plan: its draw, the stages of its pixels, and the values per vertex that these read.
 
 use texmap_math::glam::DMat4;
-use texmap_raster::{DepthTest, Fragment, Interp, Pass};
+use texmap_raster::{Cull, DepthTest, Fragment, Interp, Pass};
 
 use super::effects::SurfaceEffects;
 use super::light_stage::{light_stage, lights_depend_on_place};
@@ -57,6 +57,8 @@ pub(crate) struct Surface<'s> {
     /// `None` if nothing is cut out.
     pub(super) cut: Option<AlphaTestStage>,
     pub(crate) pass: Pass,
+    /// Sides that are not drawn.
+    pub(super) cull: Cull,
     /// Depth test that replaces that of the scene.
     pub(super) depth_test: Option<DepthTest>,
     pub(crate) vertices: VertexData<'s>,
@@ -104,6 +106,7 @@ impl<'s> Surface<'s> {
             unlit: None,
             cut: None,
             pass: Pass::Blended,
+            cull: material.cull,
             depth_test: Some(depth_test),
             vertices,
             interp: Interp::Perspective,
@@ -291,6 +294,7 @@ pub(super) fn surface<'s>(
         unlit,
         cut,
         pass,
+        cull: material.cull,
         depth_test: None,
         interp,
         interp_scale: width.max(height) as f32,

@@ -60,8 +60,10 @@ impl World<'_> {
                 let behind = hit.t * (1.0 + 4.0 * SAME_DEPTH);
                 if hides { end.min(behind) } else { end }
             });
-        // The order of the scene.
-        met.sort_by_key(|(owner, _)| *owner);
+        met.sort_by_key(|((mesh, triangle), hit)| {
+            let front = self.surfaces[*mesh].front(hit);
+            (self.ranks[*mesh][usize::from(front)], *triangle)
+        });
         let mut visible = Visible::default();
         for (owner, hit) in &met {
             if self.surfaces[owner.0].material().alpha == AlphaMode::Blend {

@@ -1,6 +1,7 @@
 //! A scene made ready for rays: its surfaces, and everything that they look up.
 
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_raster::Cull;
 use texmap_scene::{Background, Scene, ToneMapping};
 
 use super::backdrop::SampledBackground;
@@ -19,6 +20,8 @@ pub(super) struct World<'s> {
     pub(super) scene: &'s Scene,
     /// Mirrors show what their rays meet, in place of their environments.
     pub(super) traces: bool,
+    /// Numbers of the draws of the back and the front of each mesh.
+    pub(super) ranks: Vec<[usize; 2]>,
     /// Rays of the samples.
     pub(super) pinhole: Pinhole,
     pub(super) surfaces: Vec<Surface<'s>>,
@@ -67,6 +70,7 @@ impl<'s> World<'s> {
         Ok(Self {
             scene,
             traces: false,
+            ranks: ranks(scene),
             pinhole: Pinhole::of_camera(&scene.camera, width * samples, height * samples)?,
             surfaces,
             rays: RayScene::new(scene.meshes.iter().map(RayObject::Mesh)),
@@ -112,6 +116,21 @@ pub(super) fn display(scene: &Scene, light: DVec3) -> DVec3 {
         return light.min(DVec3::ONE);
     }
     texmap_light::reference::tone_map(mapping.map, f64::from(mapping.exposure), light)
+}
+
+/// Numbers of the draws of the back and the front of each mesh.
+fn ranks(scene: &Scene) -> Vec<[usize; 2]> {
+    let mut ranks = vec![[0; 2]; scene.meshes.len()];
+    for (number, draw) in scene.drawing_order().into_iter().enumerate() {
+        let [back, front] = &mut ranks[draw.mesh];
+        if draw.cull != Cull::Back {
+            *back = number;
+        }
+        if draw.cull != Cull::Front {
+            *front = number;
+        }
+    }
+    ranks
 }
 
 /// Environments that some surface or the sky looks up.
