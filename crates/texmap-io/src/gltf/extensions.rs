@@ -81,7 +81,7 @@ pub(super) const KNOWN: [(&str, Support); 31] = {
             "KHR_animation_pointer",
             Partial("only nodes and weights are animated"),
         ),
-        ("KHR_node_visibility", Partial("all nodes are drawn")),
+        ("KHR_node_visibility", Full),
         ("KHR_texture_basisu", Encoded(PICTURES)),
         ("KHR_texture_transform", Full),
         ("KHR_xmp_json_ld", Full),
@@ -164,6 +164,10 @@ fn in_use(document: &Document, name: &str) -> bool {
             .iter()
             .flat_map(|m| &m.primitives)
             .any(|p| p.extensions.variants.is_some()),
+        "KHR_animation_pointer" => document.animations.iter().any(|animation| {
+            let mut channels = animation.channels.iter();
+            channels.any(|channel| channel.target.path == "pointer")
+        }),
         _ => true,
     }
 }

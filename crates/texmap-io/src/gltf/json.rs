@@ -290,6 +290,18 @@ pub(super) struct NodeExtensions {
     pub(super) light: Option<NodeLight>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub(super) instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub(super) visibility: Option<NodeVisibility>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct NodeVisibility {
+    #[serde(default = "shown")]
+    pub(super) visible: bool,
+}
+
+fn shown() -> bool {
+    true
 }
 
 #[derive(Debug, Deserialize)]

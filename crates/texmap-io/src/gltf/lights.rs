@@ -15,7 +15,7 @@ const AMBIENT: f32 = 0.1;
 /// The lights of the nodes that are drawn, in their order, with the names of their nodes.
 pub(super) fn lights(model: &mut Model<'_>, tree: &Tree) -> Result<Vec<(String, Light)>, IoError> {
     let mut lights = Vec::new();
-    for n in &tree.drawn {
+    for n in &tree.shown {
         let node = &model.document.nodes[*n];
         let Some(named) = &node.extensions.light else {
             continue;

@@ -77,6 +77,8 @@ pub(super) struct Tree {
     pub(super) world: Vec<DMat4>,
     /// The nodes of the scene that is drawn, parents before children, in the order of the file.
     pub(super) drawn: Vec<usize>,
+    /// Those of them that are not hidden, nor below a hidden one.
+    pub(super) shown: Vec<usize>,
 }
 
 impl Tree {
@@ -121,7 +123,20 @@ impl Tree {
         }
         let mut seen = vec![false; nodes.len()];
         let drawn = walk(nodes, roots.into_iter(), &mut seen, |_, _| {});
-        Ok(Self { world, drawn })
+        let mut hidden = vec![false; nodes.len()];
+        for n in &drawn {
+            let visibility = nodes[*n].extensions.visibility.as_ref();
+            hidden[*n] |= visibility.is_some_and(|visibility| !visibility.visible);
+            if hidden[*n] {
+                nodes[*n].children.iter().for_each(|c| hidden[*c] = true);
+            }
+        }
+        let shown = drawn.iter().copied().filter(|n| !hidden[*n]).collect();
+        Ok(Self {
+            world,
+            drawn,
+            shown,
+        })
     }
 }
 

@@ -78,14 +78,23 @@ fn each_texture_reads_its_coordinates_by_its_sampler() {
 #[test]
 fn alpha_modes_and_the_order_of_drawing() {
     let scene = read("plates.gltf");
-    let names: Vec<&str> = scene
-        .meshes
-        .iter()
-        .map(|m| scene.materials[m.material].name.as_str())
-        .collect();
-    assert_eq!(names[..2], ["opaque", "mask"]);
-    // Seen from the right, the farther of the two is on the left.
-    assert_eq!(names[2..], ["blend", "unlit"]);
+    let names = |scene: &Scene| -> Vec<String> {
+        let draws = scene.drawing_order().into_iter();
+        draws
+            .map(|draw| {
+                let mesh = &scene.meshes[draw.mesh];
+                scene.materials[mesh.material].name.clone()
+            })
+            .collect()
+    };
+    // Seen from the right, the farther of the two is on the left; of two sides the back comes first.
+    assert_eq!(names(&scene), ["opaque", "mask", "blend", "blend", "unlit"]);
+    let mut behind = scene.clone();
+    behind.camera.eye = behind.camera.look * 2.0 - behind.camera.eye;
+    assert_eq!(
+        names(&behind),
+        ["opaque", "mask", "unlit", "blend", "blend"]
+    );
     let of = |name: &str| {
         let m = material(&scene, name);
         (
@@ -386,4 +395,24 @@ fn glass_is_a_sheet_that_light_passes() {
     // Holes stay holes.
     let mask = glass((0, ""), 1.0, "", r#","alphaMode":"MASK""#);
     assert_eq!(mask.alpha, AlphaMode::Test(0.5));
+}
+
+/// Hidden nodes and those below them draw nothing and give no light; cameras are seen from all the same.
+#[test]
+fn hidden_nodes_are_not_drawn() {
+    let with = |visible: &str| {
+        let json = TRIANGLE.replace(
+            r#""nodes":[{"mesh":0}]"#,
+            &format!(
+                r#""extensionsUsed":["KHR_node_visibility"],"scenes":[{{"nodes":[0,1]}}],
+                "nodes":[{{"mesh":0}},{{"children":[2],"extensions":{{"KHR_node_visibility":{visible}}}}},{{"mesh":0}}]"#
+            ),
+        );
+        let scene = small(&json, &triangle_bytes()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(scene.warnings, [""; 0]);
+        scene.meshes.len()
+    };
+    assert_eq!(with(r#"{"visible":false}"#), 1);
+    assert_eq!(with(r#"{"visible":true}"#), 2);
+    assert_eq!(with("{}"), 2);
 }
