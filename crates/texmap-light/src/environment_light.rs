@@ -4,6 +4,7 @@ mod gather;
 mod levels;
 mod prefilter;
 mod roughnesses;
+mod samples;
 mod studio;
 
 use texmap_math::deterministic_f64;
@@ -16,6 +17,7 @@ use levels::Levels;
 pub use prefilter::Prefilter;
 pub use roughnesses::Roughnesses;
 use roughnesses::{STEPS, level, roughness_of};
+pub use samples::EnvironmentSample;
 
 /// Light from every direction as surfaces receive it: the sum over all directions is taken once, for each of twelve roughnesses and
 /// for a diffuse surface, and read by direction. Radiances from 0 to a million; others count as the nearer end.

@@ -6,7 +6,8 @@ use texmap_math::simd::{Isa, X16};
 
 pub use crate::bump::bump_on;
 pub use crate::metallic_roughness::{
-    ClearcoatLanes, MetallicRoughnessLanes, ReflectanceLanes, SheenLanes,
+    ClearcoatLanes, EnvironmentVisibilityLanes, MetallicRoughnessLanes, ReflectanceLanes,
+    SheenLanes,
 };
 pub use crate::normal_map::{clamp_to_horizon, perturb};
 pub use crate::projector_texture::ProjectorUvBatch;

@@ -3,6 +3,7 @@
 //! computed.
 
 mod lobes;
+mod visibility;
 
 use texmap_math::simd::{Isa, Scalar, prelude::*};
 
@@ -11,6 +12,7 @@ use crate::share::arriving;
 use crate::vector::{add, cross, dot, scale, splat, unit};
 use crate::{EnvironmentLight, Light, albedo, reflection_lobes};
 pub(crate) use lobes::power5;
+pub use visibility::EnvironmentVisibilityLanes;
 
 /// Least perceptual roughness; lower ones count as this. Lights have no size, and a mirror would not show them.
 pub const MIN_ROUGHNESS: f32 = 0.03;
@@ -307,9 +309,16 @@ impl<I: Isa> ReflectanceLanes<I> {
         out
     }
 
-    /// Radiance towards the eye from an environment. The fraction `share` of its light reaches the points.
+    /// Radiance towards the eye from an environment. The fraction `share` of its light reaches the points, and of this the fractions
+    /// `visible` the diffuse base, the GGX lobe and the clear layer: see [`EnvironmentVisibilityLanes`].
     #[inline(always)]
-    pub fn under_environment(&self, i: I, light: &EnvironmentLight, share: I::F32) -> Vector<I> {
+    pub fn under_environment(
+        &self,
+        i: I,
+        light: &EnvironmentLight,
+        share: I::F32,
+        visible: Option<Vector<I>>,
+    ) -> Vector<I> {
         // Metals have no diffuse base.
         let base = some(i, self.diffuse);
         let [irradiance, grazing] = light.diffuse_lanes(i, self.normal, base);
@@ -333,12 +342,18 @@ impl<I: Isa> ReflectanceLanes<I> {
             }
             None => glossy,
         };
-        let light = GatheredLanes {
+        let mut light = GatheredLanes {
             diffuse,
             irradiance,
             glossy,
             coating,
         };
+        if let Some([of_base, of_lobe, of_coat]) = visible {
+            light.diffuse = scale(light.diffuse, of_base);
+            light.irradiance = scale(light.irradiance, of_base);
+            light.glossy = scale(light.glossy, of_lobe);
+            light.coating = scale(light.coating, of_coat);
+        }
         scale(self.under_gathered(i, &light), share)
     }
 

@@ -1,16 +1,18 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, projectors, environments.
 
 use texmap_light::{
-    BoundProjectorTexture, Environment, Light, ProjectorTexture, ShadowBias, ShadowKind,
-    ShadowSampler,
+    BoundProjectorTexture, Environment, EnvironmentSample, Light, ProjectorTexture, ShadowBias,
+    ShadowKind, ShadowSampler,
 };
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::{MemoryBudget, Projector, narrow};
-use texmap_scene::shadow_fit::{fitting_size, shadow_bias, shadow_kind};
+use texmap_scene::shadow_fit::{
+    ENVIRONMENT_SHADOW_SIZE, fitting_size, parallel_shadow_kind, shadow_bias, shadow_kind,
+};
 
 use crate::shadow::shadow_map_in;
 use crate::{RenderError, RenderSettings};
-use texmap_scene::{ProjectorLight, ProjectorMode, Scene};
+use texmap_scene::{ProjectorLight, ProjectorMode, Scene, Shading};
 use texmap_shade::projector::Projected;
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
@@ -24,6 +26,8 @@ pub(crate) struct FrameResources<'s> {
     pub(crate) projector_lights: Vec<Projected<'s>>,
     pub(crate) projector_decals: Vec<Projected<'s>>,
     pub(crate) environments: &'s [Environment],
+    /// Samples of the environment light, and what the scene hides of each.
+    pub(crate) environment_shadows: Vec<(EnvironmentSample, ShadowSampler)>,
 }
 
 impl<'s> FrameResources<'s> {
@@ -108,12 +112,32 @@ impl<'s> FrameResources<'s> {
                 }
             }
         }
+        let mut environment_shadows = Vec::new();
+        let wanted = scene.effects.environment_shadows;
+        let light = scene.effects.environment_light.as_ref();
+        if let Some(light) = light.filter(|_| wanted > 0 && reads_environment(scene)) {
+            let texels = u64::from(ENVIRONMENT_SHADOW_SIZE).pow(2);
+            if first_frame {
+                settings.memory.ask(
+                    texels * 4 * u64::from(wanted),
+                    format_args!("{wanted} shadow maps of the environment light"),
+                    "let fewer of its samples cast shadows",
+                )?;
+            }
+            for sample in light.samples(wanted) {
+                let direction = -texmap_math::wide(sample.direction);
+                let kind = parallel_shadow_kind(scene, direction);
+                let map = draw(&kind, ENVIRONMENT_SHADOW_SIZE, shadow_bias(scene), 1)?;
+                environment_shadows.push((sample, map));
+            }
+        }
         Ok(Self {
             lights,
             shadows,
             projector_lights,
             projector_decals,
             environments: &scene.effects.environments,
+            environment_shadows,
         })
     }
 
@@ -125,13 +149,16 @@ impl<'s> FrameResources<'s> {
             .iter_mut()
             .chain(&mut self.projector_decals);
         let of_projectors = projectors.filter_map(|projected| projected.shadow.as_mut());
-        let all = of_lights.chain(of_projectors);
+        let of_sky = self.environment_shadows.iter_mut().map(|(_, map)| map);
+        let all = of_lights.chain(of_projectors).chain(of_sky);
         all.map(ShadowSampler::take_depths).collect()
     }
 
     /// True if there are neither projectors nor shadows, so that plain surfaces need no effects.
     pub(crate) fn is_plain(&self) -> bool {
-        !self.has_projectors() && self.shadows.iter().all(Vec::is_empty)
+        !self.has_projectors()
+            && self.environment_shadows.is_empty()
+            && self.shadows.iter().all(Vec::is_empty)
     }
 
     pub(crate) fn has_projectors(&self) -> bool {
@@ -148,6 +175,14 @@ impl<'s> FrameResources<'s> {
                 .product(),
         )
     }
+}
+
+/// True if some surface is lit by the environment.
+fn reads_environment(scene: &Scene) -> bool {
+    let mut materials = scene.materials.iter();
+    materials.any(|material| {
+        material.metallic_roughness.is_some() && material.shading == Shading::PerPixel
+    })
 }
 
 /// Reserves the depths of all faces of a shadow map.

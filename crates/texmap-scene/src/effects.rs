@@ -31,6 +31,10 @@ pub struct Effects {
     /// Light from every direction on metallic-roughness surfaces. It shows nowhere but on them; a
     /// [`background`](Self::background) shows it.
     pub environment_light: Option<EnvironmentLight>,
+    /// [Samples](EnvironmentLight::samples) of the environment light that cast shadows, each by a shadow map, up to 256. 0: its light reaches
+    /// all metallic-roughness surfaces. 64 darken corners and draw soft shadows of what is bright; where a material has an occlusion map, the
+    /// lesser of both fractions is left.
+    pub environment_shadows: u32,
     /// The way from light to display light.
     pub tone_mapping: ToneMapping,
 }

@@ -114,6 +114,21 @@ pub fn shadow_kind(
     }
 }
 
+/// Texels a side of the shadow map of a [sample of the environment](crate::Effects::environment_shadows), which is looked up without a filter:
+/// the sum over samples is one.
+pub const ENVIRONMENT_SHADOW_SIZE: u32 = 512;
+
+/// The part of a scene that a shadow map under parallel light shows: everything that casts shadows. `direction` is that of the light,
+/// not zero.
+#[must_use]
+pub fn parallel_shadow_kind(scene: &Scene, direction: DVec3) -> ShadowKind {
+    let (centre, half) = bounding_square(scene);
+    ShadowKind::Directional {
+        light_from_world: toward(centre, direction),
+        half,
+    }
+}
+
 /// Centre and half a side of a square that holds everything from any direction: of the ball around the box.
 #[must_use]
 pub fn bounding_square(scene: &Scene) -> (DVec3, f64) {

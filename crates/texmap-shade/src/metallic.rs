@@ -1,16 +1,17 @@
 //! Metallic-roughness surfaces: their numbers by maps, and their light.
 
 use texmap_light::lanes::{
-    ClearcoatLanes, MetallicRoughnessLanes, ReflectanceLanes, SheenLanes, Vector, splat, unit,
+    ClearcoatLanes, EnvironmentVisibilityLanes, MetallicRoughnessLanes, ReflectanceLanes,
+    SheenLanes, Vector, splat, unit,
 };
-use texmap_light::{EnvironmentLight, Light};
+use texmap_light::{EnvironmentLight, EnvironmentSample, Light, ShadowSampler};
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::Slot;
 use crate::base_color::BaseColor;
 use crate::batch::{flip, load_vector, parts};
 use crate::fetch::{PackedTexels, Texels};
-use crate::lighting::LitBy;
+use crate::lighting::{LitBy, visibility};
 use crate::stage::{Inputs, Kernel, ShadeColumns};
 use crate::texture_set::MapSource;
 use texmap_scene::{MetallicRoughness, TextureSlot};
@@ -204,6 +205,8 @@ pub struct MetallicLight<'a> {
     pub paired: Option<BaseColor<'a>>,
     /// The lights in the order of the scene.
     pub lights: Vec<LitBy<'a>>,
+    /// Samples of the environment and their shadow maps; empty if the environment casts no shadows.
+    pub environment_shadows: &'a [(EnvironmentSample, ShadowSampler)],
     /// Factor and map of baked light, and the first attribute of its coordinates.
     pub light_map: Option<(f32, &'a Slot<'a>, usize)>,
     /// Normals are bent: the clear layer has those of the vertices.
@@ -257,9 +260,24 @@ impl Kernel for MetallicLight<'_> {
             }
             let view = columns.toward_eye.load(i, at);
             let reflectance = ReflectanceLanes::new(i, &surface, normal, smooth, view);
+            let point = match inputs.vectors.position {
+                Some(position) => load_vector(i, position, at),
+                None => [i.f32(0.0); 3],
+            };
             let mut sum = splat(i, [0.0; 3]);
             if let Some(light) = self.model.environment {
-                sum = environment(i, &reflectance, light, share);
+                sum = match self.environment_shadows {
+                    [] => environment(i, &reflectance, light, share, None),
+                    shadows => {
+                        let plane = inputs.sides.plane.load(i, at);
+                        let lit = part.mask(i, part.block.mask);
+                        let mut seen = visible(i, &reflectance, shadows, lit, point, plane);
+                        for seen in &mut seen {
+                            *seen = seen.below(share);
+                        }
+                        environment(i, &reflectance, light, i.f32(1.0), Some(seen))
+                    }
+                };
             }
             if let Some((factor, ..)) = self.light_map {
                 let [r, g, b] = columns.texels.straight(i, at);
@@ -269,10 +287,6 @@ impl Kernel for MetallicLight<'_> {
                     sum[k] = sum[k] + baked[k];
                 }
             }
-            let point = match inputs.vectors.position {
-                Some(position) => load_vector(i, position, at),
-                None => [i.f32(0.0); 3],
-            };
             for by in &self.lights {
                 let Some(texel) = by.texel(i, inputs, &part) else {
                     continue;
@@ -307,10 +321,38 @@ fn environment<I: Isa>(
     reflectance: &ReflectanceLanes<I>,
     light: &EnvironmentLight,
     share: I::F32,
+    visible: Option<Vector<I>>,
 ) -> Vector<I> {
     i.vectorize(
         #[inline(always)]
-        || reflectance.under_environment(i, light, share),
+        || reflectance.under_environment(i, light, share, visible),
+    )
+}
+
+/// Fractions of the light of an environment that reach points past the scene. Out of line, as it is rare.
+#[inline(never)]
+fn visible<I: Isa>(
+    i: I,
+    reflectance: &ReflectanceLanes<I>,
+    shadows: &[(EnvironmentSample, ShadowSampler)],
+    lit: I::Mask,
+    point: Vector<I>,
+    plane: Vector<I>,
+) -> Vector<I> {
+    i.vectorize(
+        #[inline(always)]
+        || {
+            let mut sum = EnvironmentVisibilityLanes::new(i);
+            for (sample, shadow) in shadows {
+                let weights = reflectance.sample_weights(i, sample);
+                let [a, b, c] = weights;
+                let lit = lit & (a.simd_gt(0.0) | b.simd_gt(0.0) | c.simd_gt(0.0));
+                if lit.any_true() {
+                    sum.add(weights, visibility(i, shadow, lit, point, plane));
+                }
+            }
+            sum.fractions(i)
+        },
     )
 }
 

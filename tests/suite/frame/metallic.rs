@@ -480,3 +480,121 @@ fn one_point_is_the_lanes() {
         "{got:?} {light:?}"
     );
 }
+
+/// A floor of 32 x 12 units in the plane y = 0 before a wall of height 2 on its far side, z = -4.
+fn floor_and_wall(model: MetallicRoughness) -> Scene {
+    let mut mesh = scenes::quad([
+        [-16.0, 0.0, 8.0],
+        [16.0, 0.0, 8.0],
+        [16.0, 0.0, -4.0],
+        [-16.0, 0.0, -4.0],
+    ]);
+    let wall = scenes::quad([
+        [-16.0, 0.0, -4.0],
+        [16.0, 0.0, -4.0],
+        [16.0, 2.0, -4.0],
+        [-16.0, 2.0, -4.0],
+    ]);
+    mesh.positions.extend(wall.positions);
+    mesh.uvs.extend(wall.uvs);
+    let corners = wall.triangles.iter();
+    mesh.triangles
+        .extend(corners.map(|triangle| triangle.map(|corner| corner + 4)));
+    let even = Environment::from_fn(EnvironmentLayout::Cube, 32, |_| [0.5; 3]).unwrap();
+    let mut scene = of(metallic([1.0; 3], model), mesh);
+    scene.effects.environment_light = EnvironmentLight::new(&even, 32).ok();
+    scene.camera.eye = DVec3::new(0.0, 6.0, 8.0);
+    scene.camera.look = DVec3::new(0.0, 0.0, -2.0);
+    scene
+}
+
+/// Light of the floor under 256 samples of the environment over that without shadows, with its distance from the wall; by rows of the middle.
+fn shadowed_floor(mut scene: Scene) -> Vec<(f64, f64)> {
+    let draw = |scene: &Scene| draw_aovs(scene, 80, 80, &[Aov::Color, Aov::Position]);
+    let open = draw(&scene);
+    scene.effects.environment_shadows = 256;
+    let shadowed = draw(&scene);
+    let rows = (0..80).filter_map(|y| {
+        let [_, height, z] = values(&open, Aov::Position, 40, y)[..] else {
+            return None;
+        };
+        let lit = |frame| f64::from(values(frame, Aov::Color, 40, y)[1]);
+        let way = f64::from(z) + 4.0;
+        (height.abs() < 1e-3 && way > 0.2).then(|| (way, lit(&shadowed) / lit(&open)))
+    });
+    rows.collect()
+}
+
+/// Before a long wall of height h the share (1 + d / sqrt(d^2 + h^2)) / 2 of an even sky lights a diffuse floor at the distance d.
+#[test]
+fn environment_shadows_leave_the_sky_that_is_seen() {
+    let matte = MetallicRoughness {
+        roughness: 1.0,
+        specular: 0.0,
+        ..MetallicRoughness::default()
+    };
+    let floor = shadowed_floor(floor_and_wall(matte));
+    assert!(floor.len() > 20, "{}", floor.len());
+    let share = |way: f64, height: f64| 0.5 * (1.0 + way / way.hypot(height));
+    let worst = |height: f64| {
+        let each = floor
+            .iter()
+            .map(|(way, seen)| (seen - share(*way, height)).abs());
+        each.fold(0.0, f64::max)
+    };
+    assert!(worst(2.0) < 0.04, "{}", worst(2.0));
+    // Of a wall half as high, and of none.
+    assert!(worst(1.0) > 0.1 && worst(0.0) > 0.3);
+}
+
+/// A smooth metal floor loses the light that the wall stands before, and keeps that over it.
+#[test]
+fn environment_shadows_of_mirrors_are_where_they_look() {
+    let mirror = MetallicRoughness {
+        metallic: 1.0,
+        roughness: 0.1,
+        ..MetallicRoughness::default()
+    };
+    let floor = shadowed_floor(floor_and_wall(mirror));
+    let eye = DVec3::new(0.0, 6.0, 8.0);
+    for (way, seen) in floor {
+        // Height at which the mirrored ray passes the wall.
+        let height = 6.0 * way / (eye.z - (way - 4.0));
+        if height < 0.6 {
+            assert!(seen < 0.3, "{way} {height} {seen}");
+        } else if height > 5.0 {
+            assert!(seen > 0.8, "{way} {height} {seen}");
+        }
+    }
+}
+
+/// Environment shadows are the same bytes on every level and for all threads; an occlusion map that is darker wins.
+#[test]
+fn environment_shadows_are_the_same_everywhere() {
+    let coated = MetallicRoughness {
+        roughness: 0.4,
+        clearcoat: Some(Clearcoat::default()),
+        ..MetallicRoughness::default()
+    };
+    let mut scene = floor_and_wall(coated);
+    scene.effects.environment_shadows = 40;
+    let expected = draw(&scene, 70, 50);
+    for (name, level) in levels() {
+        let settings = RenderSettings {
+            level,
+            threads: Some(3),
+            ..RenderSettings::new(70, 50)
+        };
+        let frame = render(&scene, &settings, &no_progress).unwrap();
+        assert!(frame.rgba == expected.rgba, "{name}");
+    }
+    scene.textures.push(texture(1, 1, |_, _| [0, 0, 0, 255]));
+    if let Some(model) = &mut scene.materials[0].metallic_roughness {
+        let map = slot(scene.textures.len() - 1, Filter::Nearest).unwrap();
+        model.occlusion = Some((map, 1.0));
+    }
+    let dark = draw(&scene, 70, 50);
+    assert_eq!(pixel(&dark, 35, 40)[..3], [0; 3]);
+    scene.effects.environment_shadows = 257;
+    assert!(scene.check().unwrap_err().to_string().contains("0 to 256"));
+}

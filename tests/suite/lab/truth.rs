@@ -3,9 +3,10 @@ use std::path::{Path, PathBuf};
 use texmap_mesh::tessellate;
 
 use texmap_io::LoadOptions;
+use texmap_math::glam::DVec3;
 use texmap_raster::Interp;
 use texmap_render::{Frame, RenderSettings, render};
-use texmap_scene::{Material, Scene};
+use texmap_scene::{Material, Mesh, Scene};
 use texmap_truth::verify::verify;
 use texmap_truth::{Truth, frame};
 
@@ -201,6 +202,30 @@ fn glass_is_drawn_as_its_reference_says() {
         let other = compared(&other).rmse();
         assert!(other > 10.0 * rmse, "{other} {rmse}");
     }
+}
+
+/// The light of an environment that shadows keep away is that of the reference, which has no lanes and no f32.
+#[test]
+fn environment_shadows_are_those_of_the_reference() {
+    let mut scene = lit_model("materials.glb");
+    // A wall over the model keeps the light from above.
+    let (center, half) = texmap_scene::shadow_fit::bounding_square(&scene);
+    let side = 2.0 * half;
+    let corners = [[-side, -side], [side, -side], [side, side], [-side, side]];
+    let wall = corners.map(|[x, z]| {
+        let corner = center + DVec3::new(x, half, z);
+        corner.to_array().map(|c| c as f32)
+    });
+    scene.meshes.push(Mesh::quad(wall));
+    let open = drawn(&scene, None);
+    scene.effects.environment_shadows = 24;
+    let picture = drawn(&scene, None);
+    let found = compare(&frame(&scene, WIDTH, HEIGHT, 1).unwrap(), &picture);
+    let rmse = found.rmse();
+    assert!(found.inside > 5_000, "{} values", found.inside);
+    assert!(rmse < 0.35 && found.worst < 6.0, "{rmse}, {}", found.worst);
+    let without = compare(&frame(&scene, WIDTH, HEIGHT, 1).unwrap(), &open).rmse();
+    assert!(without > 5.0 * rmse, "{without} {rmse}");
 }
 
 fn model(scene: &mut Scene, change: fn(&mut texmap_scene::MetallicRoughness)) {

@@ -71,18 +71,21 @@ pub fn hashes(
     }
     for path in files(&folders.assets.join("scenes"), &["scene"])? {
         let scene = load(&path, &LoadOptions::default())?;
-        writeln!(list, "{}", drawn(scene, &path, level)?)?;
+        writeln!(list, "{}", drawn(scene, &name_of(&path), level)?)?;
     }
     for path in files(&folders.assets.join("gltf"), &["glb", "gltf"])? {
         let mut scene = load(&path, &LoadOptions::default())?;
         light_as_model(&mut scene, Up::Y);
-        writeln!(list, "{}", drawn(scene, &path, level)?)?;
+        writeln!(list, "{}", drawn(scene.clone(), &name_of(&path), level)?)?;
+        scene.effects.environment_shadows = 9;
+        let name = format!("{}-shadowed", name_of(&path));
+        writeln!(list, "{}", drawn(scene, &name, level)?)?;
     }
     Ok(list)
 }
 
-/// The line of a file's scene, with every array.
-fn drawn(scene: Scene, path: &Path, level: Level) -> Result<String, Box<dyn Error>> {
+/// The line of a scene, with every array.
+fn drawn(scene: Scene, name: &str, level: Level) -> Result<String, Box<dyn Error>> {
     let settings = RenderSettings {
         level,
         aovs: Aov::ALL.to_vec(),
@@ -90,7 +93,7 @@ fn drawn(scene: Scene, path: &Path, level: Level) -> Result<String, Box<dyn Erro
     };
     let scene = tessellate(scene, settings.width)?;
     let frame = render(&scene, &settings, &texmap_render::no_progress)?;
-    Ok(line(&name_of(path), &frame))
+    Ok(line(name, &frame))
 }
 
 /// The random scene of a seed, by way of its file.

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use texmap_math::lanes::GatherTable;
-use texmap_math::simd::Isa;
+use texmap_math::simd::{Isa, One, Scalar};
 
 use crate::environment::Environment;
 use crate::environment::level::{Level, LevelTable};
@@ -52,6 +52,14 @@ impl Levels {
     /// Texels a side of level 0.
     pub(super) fn size(&self) -> u32 {
         self.table.width[0]
+    }
+
+    /// A texel of a face of level 0.
+    pub(super) fn texel(&self, face: usize, x: u32, y: u32) -> [f32; 3] {
+        let side = self.size() as usize + 2;
+        let at = (face * side + y as usize + 1) * side + x as usize + 1;
+        let word = self.words.get(at).copied().unwrap_or(0);
+        shared_exponent::unpack(Scalar, One(word))
     }
 
     pub(super) fn count(&self) -> usize {

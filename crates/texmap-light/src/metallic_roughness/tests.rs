@@ -291,7 +291,7 @@ fn lanes_have_the_bits_of_one_point() {
         };
         let (direct, lit) = ready.under_light(i, &lamp, v(6));
         let direct = select(lit, direct, splat(i, [0.0; 3]));
-        let indirect = ready.under_environment(i, studio, i.f32(0.5));
+        let indirect = ready.under_environment(i, studio, i.f32(0.5), None);
         let [a, b, c] = direct;
         let [d, e, f] = indirect;
         let passing = ready.transmitted().unwrap_or(i.f32(0.0));
@@ -483,13 +483,14 @@ fn spheres_in_the_studio_are_near_their_integral() {
                 let got = code(DVec3::from(light.map(f64::from)));
                 (got - right).length_squared() / 3.0
             };
-            squares[usize::from(r)] += off(lanes.under_environment(Scalar, &room.light, 1.0));
+            squares[usize::from(r)] += off(lanes.under_environment(Scalar, &room.light, 1.0, None));
             // As if as much light arrived at grazing incidence as elsewhere.
             let blind = ReflectanceLanes {
                 per_left: 0.0,
                 ..lanes
             };
-            even_base[usize::from(r)] += off(blind.under_environment(Scalar, &room.light, 1.0));
+            even_base[usize::from(r)] +=
+                off(blind.under_environment(Scalar, &room.light, 1.0, None));
             let even = room.light.irradiance(narrow(n));
             let mirrored = narrow(2.0 * n.dot(view) * n - view);
             let one = room.light.radiance(roughness.max(MIN_ROUGHNESS), mirrored);

@@ -97,8 +97,9 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     let by_shadows = shadow_maps.any(ShadowSampler::reads_normals);
     drop(shadow_maps);
     // Paint does not reach surfaces that face away from its projector.
-    let reads_planes = by_shadows || !paint.projectors.is_empty();
     let metallic = per_pixel && material.metallic_roughness.is_some();
+    let by_sky = metallic && !ready.environment_shadows.is_empty();
+    let reads_planes = by_shadows || by_sky || !paint.projectors.is_empty();
     let reflects = effects.is_some()
         && !metallic
         && (material.reflection.is_some() || material.specular_map.is_some());
@@ -315,6 +316,7 @@ fn metallic<'a>(
         model,
         paired: paired.then_some(base),
         lights,
+        environment_shadows: &plan.ready.environment_shadows,
         light_map: light_map.map(|(map, slot, uv)| (map.scale, slot, *uv)),
         bent: effects.is_some_and(|effects| effects.normal.is_some()),
     }));

@@ -162,6 +162,14 @@ impl Scene {
                 self.check_slot(slot, || format!("volume {number}"))?;
             }
         }
+        if self.effects.environment_shadows > 256 {
+            return Err(SceneError::Value {
+                place: "environment light".to_owned(),
+                what: "number of samples that cast shadows".to_owned(),
+                value: self.effects.environment_shadows.to_string(),
+                expected: "it must be 0 to 256",
+            });
+        }
         match &self.effects.background {
             Some(Background::Picture(slot)) => self.check_slot(slot, || "backdrop".to_owned())?,
             Some(Background::Environment(environment)) => index(

@@ -8,9 +8,11 @@ use std::sync::OnceLock;
 use texmap_light::lanes::{ClearcoatLanes, SheenLanes};
 use texmap_light::reference::metallic_roughness::{Gathered, GgxAlbedo, Reflectance, SheenAlbedo};
 use texmap_light::{
-    EnvironmentLight, Light, MIN_ROUGHNESS, MetallicRoughnessSurface, ReflectionLobes,
+    EnvironmentLight, EnvironmentSample, Light, MIN_ROUGHNESS, MetallicRoughnessSurface,
+    ReflectionLobes,
 };
 use texmap_math::glam::DVec3;
+use texmap_scene::shadow_fit::shadow_bias;
 use texmap_scene::{AlphaMode, Mesh, MetallicRoughness, ProjectorMode, TextureSlot};
 
 use super::color::wide;
@@ -183,14 +185,21 @@ impl<'s> Metal<'s> {
         let cosines = (normal.dot(view), smooth.dot(view).max(GRAZING));
         let mut sum = DVec3::ZERO;
         if let Some(light) = &world.scene.effects.environment_light {
-            sum += share
-                * under_environment(
-                    &reflectance,
-                    &numbers,
-                    light,
-                    (normal, smooth, eye),
-                    cosines,
-                );
+            let mut visible = [share; 3];
+            if !world.environment_shadows.is_empty() {
+                let seen = environment_visible(world, at, |sample| {
+                    reflectance.sample_weights((normal, smooth, view), cosines, sample)
+                });
+                visible = seen.map(|seen| seen.min(share));
+            }
+            sum += under_environment(
+                &reflectance,
+                &numbers,
+                light,
+                (normal, smooth, eye),
+                cosines,
+                visible,
+            );
         }
         if let (Some(map), Some(slot)) = (&material.light_map, &surface.light_map) {
             let light = slot.straight(at.baked_place) * f64::from(map.scale);
@@ -232,6 +241,27 @@ impl<'s> Metal<'s> {
     }
 }
 
+/// Fractions of the light of an environment that reach a point, by the weights of samples in the lobes of its surface.
+fn environment_visible(
+    world: &World<'_>,
+    at: &Point,
+    weights: impl Fn(&EnvironmentSample) -> [f64; 3],
+) -> [f64; 3] {
+    let bias = shadow_bias(world.scene);
+    let (mut reached, mut all) = ([0.0; 3], [0.0; 3]);
+    for (sample, map) in &world.environment_shadows {
+        let visibility = f64::from(map.visibility(at.position, at.plane, bias, 1));
+        for (k, weight) in weights(sample).into_iter().enumerate() {
+            reached[k] += weight * visibility;
+            all[k] += weight;
+        }
+    }
+    [0, 1, 2].map(|k| match all[k] > 0.0 {
+        true => reached[k] / all[k],
+        false => 1.0,
+    })
+}
+
 /// The light of an environment: level by level as it was gathered.
 fn under_environment(
     reflectance: &Reflectance,
@@ -239,6 +269,7 @@ fn under_environment(
     light: &EnvironmentLight,
     (normal, smooth, view): (DVec3, DVec3, DVec3),
     cosines: (f64, f64),
+    [of_base, of_lobe, of_coat]: [f64; 3],
 ) -> DVec3 {
     let narrow = |v: DVec3| v.as_vec3().to_array();
     let mirrored = |n: DVec3| 2.0 * n.dot(view) * n - view;
@@ -256,10 +287,10 @@ fn under_environment(
         wide(light.radiance(roughness, narrow(mirrored(smooth))))
     });
     let light = Gathered {
-        irradiance,
-        grazing,
-        glossy,
-        coating,
+        irradiance: irradiance * of_base,
+        grazing: grazing * of_base,
+        glossy: glossy * of_lobe,
+        coating: coating * of_coat,
     };
     reflectance.under_gathered(cosines, &light)
 }

@@ -42,7 +42,7 @@ use world::World;
 
 /// Assumptions of the reference that are not derived.
 pub const ASSUMPTIONS: &str = "perspective coordinates, bilinear texels, hard shadows by rays, environments and specular maps as their \
-     texels are, environment light as its prefiltered levels are (even within each lobe), displaced meshes and billboards as the triangles that are drawn, light that is clipped at white in each sample";
+     texels are, environment light as its prefiltered levels are (even within each lobe) and its shadows as their maps are, displaced meshes and billboards as the triangles that are drawn, light that is clipped at white in each sample";
 
 /// A frame computed in f64.
 #[derive(Clone, Debug)]

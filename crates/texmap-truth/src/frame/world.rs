@@ -1,7 +1,10 @@
 //! A scene made ready for rays: its surfaces, and everything that they look up.
 
+use texmap_light::{EnvironmentSample, ShadowMap};
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Cull;
+use texmap_render::{RenderError, shadow_map_for};
+use texmap_scene::shadow_fit::{ENVIRONMENT_SHADOW_SIZE, parallel_shadow_kind, shadow_bias};
 use texmap_scene::{Background, Scene, ToneMapping};
 
 use super::backdrop::SampledBackground;
@@ -31,6 +34,8 @@ pub(super) struct World<'s> {
     pub(super) extent: f64,
     /// By light.
     pub(super) shadows: Vec<Vec<Shadow>>,
+    /// Of the samples of the environment that cast shadows.
+    pub(super) environment_shadows: Vec<(EnvironmentSample, ShadowMap)>,
     pub(super) projectors: Vec<Cast<'s>>,
     pub(super) projector_shadows: Vec<Option<Shadow>>,
     /// Environments that something reads.
@@ -65,6 +70,7 @@ impl<'s> World<'s> {
         let read = environments_read(scene);
         let environment =
             |(i, environment)| read.contains(&i).then(|| EnvironmentMap::new(environment));
+        let environment_shadows = environment_shadows(scene)?;
         let size = DVec2::new(f64::from(width * samples), f64::from(height * samples));
         let projectors = &effects.projectors;
         Ok(Self {
@@ -76,6 +82,7 @@ impl<'s> World<'s> {
             rays: RayScene::new(scene.meshes.iter().map(RayObject::Mesh)),
             extent: (high - low).length(),
             shadows,
+            environment_shadows,
             projectors: projectors
                 .iter()
                 .map(|p| Cast::new(p, &mut textures))
@@ -131,6 +138,21 @@ fn ranks(scene: &Scene) -> Vec<[usize; 2]> {
         }
     }
     ranks
+}
+
+/// The maps of the samples of the environment that cast shadows.
+fn environment_shadows(scene: &Scene) -> Result<Vec<(EnvironmentSample, ShadowMap)>, RenderError> {
+    let Some(light) = &scene.effects.environment_light else {
+        return Ok(Vec::new());
+    };
+    let samples = light.samples(scene.effects.environment_shadows).into_iter();
+    let maps = samples.map(|sample| {
+        let kind = parallel_shadow_kind(scene, -super::wide(sample.direction));
+        let bias = shadow_bias(scene);
+        let map = shadow_map_for(scene, &kind, ENVIRONMENT_SHADOW_SIZE, bias, 1, usize::MAX);
+        Ok((sample, map?))
+    });
+    maps.collect()
 }
 
 /// Environments that some surface or the sky looks up.

@@ -23,7 +23,7 @@ use texmap_truth::verify::{Verified, verify, with_wrap};
 use crate::cmd::render::RenderArgs;
 use crate::cmd::render::budget::{PlanReport, SAMPLES, TruthReport};
 use crate::cmd::render::camera::{Shot, single};
-use crate::cmd::render::light::add_ground;
+use crate::cmd::render::light::{add_ground, hold_ground};
 use crate::cmd::render::plan::{Item, array_name, heat_name, rays_name};
 use crate::cmd::render::report::{
     AovReport, CameraReport, ItemReport, SceneReport, TimesReport, milliseconds,
@@ -63,10 +63,12 @@ impl Context<'_> {
             if self.args.camera.named.is_some() {
                 let file = &self.item.input;
                 scene.camera = single(self.args, file, scene, scene.camera)?;
+                self.hold_ground(scene);
                 return Ok(());
             }
         }
         scene.camera = shot.camera;
+        self.hold_ground(scene);
         match (&self.moving, shot.light) {
             (Some(moving), Some(light)) => moving.place(scene, light).map_err(|e| self.refused(e)),
             _ => Ok(()),
@@ -78,6 +80,12 @@ impl Context<'_> {
         match self.args.light.ground_shadow && !self.args.dry_run {
             true => add_ground(scene, self.up).map_err(|e| self.refused(e)),
             false => Ok(()),
+        }
+    }
+
+    fn hold_ground(&self, scene: &mut Scene) {
+        if self.args.light.ground_shadow {
+            hold_ground(scene);
         }
     }
 

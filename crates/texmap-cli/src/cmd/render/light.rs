@@ -10,6 +10,7 @@ use texmap_io::framing::{
     reads_environment, renew_studio, studio,
 };
 use texmap_light::{EnvironmentLayout, EnvironmentLight, Prefilter, Roughnesses, ToneMap};
+use texmap_math::glam::DVec3;
 use texmap_scene::{Background, ColorMode, Material, Scene};
 
 use crate::failure::{Failure, Refusal};
@@ -22,13 +23,16 @@ pub(crate) struct LightArgs {
     /// [default: metallic-roughness for models, classic for scenes and under --max-error and --quality]
     #[arg(long, value_name = "MODEL")]
     shading: Option<Model>,
-    /// Light from all around on metallic-roughness surfaces: a lat-long picture (.hdr, .exr, ...), the neutral studio, or none
-    /// [default: neutral for models]
+    /// Light from all around on metallic-roughness surfaces: a lat-long picture (.hdr, .exr, ...; its top is +Y, its middle -Z and
+    /// what is right of that +X), the neutral studio, or none [default: neutral for models]
     #[arg(long, value_name = "FILE|neutral|none")]
     env: Option<Env>,
     /// Turn that light about the axis that points up, counter-clockwise from above
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = degrees)]
     env_rotate: Option<f64>,
+    /// Shadows and darkened corners under that light, from as many of its directions
+    #[arg(long, value_name = "DIRECTIONS", num_args = 0..=1, default_missing_value = "64", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=256))]
+    env_shadows: u32,
     /// Draw the shadow of a model on the ground under its lowest point: what it hides of the light from all around and of directional
     /// lights. Also on --background transparent
     #[arg(long)]
@@ -167,6 +171,7 @@ impl LightArgs {
                 }
             }
         }
+        scene.effects.environment_shadows = self.env_shadows;
         // Surfaces that were changed since the model was read, and the ground.
         renew_studio(scene, self.further());
         if let (Some(angle), Some(light)) = (self.env_rotate, &scene.effects.environment_light) {
@@ -208,6 +213,34 @@ pub(crate) fn add_ground(scene: &mut Scene, up: Up) -> Result<(), Refusal> {
         shadow.add_to(scene);
     }
     Ok(())
+}
+
+/// Moves the planes of a parallel camera, and the eye back along its rays, so that they do not cut what casts no shadow: the ground. Perspective
+/// cameras have no far plane.
+pub(crate) fn hold_ground(scene: &mut Scene) {
+    let camera = &mut scene.camera;
+    if camera.lens.parallel_width.is_none() {
+        return;
+    }
+    let along = (camera.look - camera.eye).normalize_or_zero();
+    let ground = scene.meshes.iter().filter(|mesh| mesh.casts_no_shadow);
+    let depths = ground.flat_map(|mesh| {
+        let points = mesh.positions.iter();
+        points.map(|p| {
+            let p = DVec3::from(p.map(f64::from));
+            (mesh.world_from_object.transform_point3(p) - camera.eye).dot(along)
+        })
+    });
+    let (near, far) = depths.fold((camera.near, camera.far), |(near, far), depth| {
+        (near.min(depth), far.max(depth))
+    });
+    let air = 1e-3 * (far - near);
+    let back = match near < camera.near {
+        true => camera.near - near + air,
+        false => 0.0,
+    };
+    camera.eye -= along * back;
+    camera.far = back + if far > camera.far { far + air } else { far };
 }
 
 /// The warning on properties of metallic-roughness surfaces that Phong's model does not draw.
@@ -259,6 +292,7 @@ mod tests {
 
     fn args() -> LightArgs {
         LightArgs {
+            env_shadows: 0,
             shading: None,
             env: None,
             env_rotate: None,
