@@ -127,8 +127,8 @@ fn displaced(p: DVec3, normal: DVec3) -> DVec3 {
     let by_angle = -0.5 * HEIGHT * around * wave_a.0 * wave_y.1;
     let by_y = -0.5 * HEIGHT * rise * wave_a.1 * wave_y.0;
     let turn = DVec3::new(-sin, 0.0, cos) / 0.8;
-    // Inside, heights rise towards the axis.
-    (out * side - (turn * by_angle + DVec3::Y * by_y)).normalize()
+    // Inside, the waves of the outside are seen from behind.
+    side * (out - (turn * by_angle + DVec3::Y * by_y)).normalize()
 }
 
 /// Words engraved into the floor: light changes at the edges of the letters and nowhere else.
