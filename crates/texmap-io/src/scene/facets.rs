@@ -191,10 +191,7 @@ impl Facets {
         corners: &[(u32, [f32; 2])],
         frame: &TextureFrame,
     ) -> Option<String> {
-        let points: Vec<DVec3> = corners
-            .iter()
-            .map(|&(i, _)| self.position(i))
-            .collect();
+        let points: Vec<DVec3> = corners.iter().map(|&(i, _)| self.position(i)).collect();
         let area: DVec3 = points[1..]
             .windows(2)
             .map(|w| (w[0] - points[0]).cross(w[1] - points[0]))

@@ -173,8 +173,7 @@ impl Builder {
                 text: position.to_string(),
             });
         }
-        self.facets
-            .vertex(position, transform.determinant() < 0.0);
+        self.facets.vertex(position, transform.determinant() < 0.0);
         Ok(())
     }
 
