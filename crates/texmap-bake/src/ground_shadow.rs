@@ -8,7 +8,9 @@ use texmap_math::glam::{DVec2, DVec3};
 use texmap_math::parallel;
 use texmap_render::{RenderError, RenderSettings, no_progress, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Texture2d};
-use texmap_scene::{AlphaMode, Material, Mesh, Scene, SceneError, Shading, TextureSlot};
+use texmap_scene::{
+    AlphaMode, BlendOrder, Material, Mesh, Scene, SceneError, Shading, TextureSlot,
+};
 
 use sky::{LOBE, sky};
 
@@ -176,7 +178,8 @@ impl GroundShadow {
     }
 
     /// Adds the shadow to a scene: a black square that blends, seen from above alone, before all other surfaces that blend. It leaves
-    /// no trace in output arrays.
+    /// no trace in output arrays. Where meshes are [drawn in their order](texmap_scene::BlendOrder::OfMeshes) those that blend get the
+    /// next number.
     pub fn add_to(&self, scene: &mut Scene) {
         let code = |opacity: f32| (opacity.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         let texels = self.opacity.iter().flat_map(|o| [0, 0, 0, code(*o)]);
@@ -218,7 +221,11 @@ impl GroundShadow {
             let material = scene.materials.get(mesh.material);
             material.is_some_and(|material| material.alpha == AlphaMode::Blend)
         };
-        let first = scene.meshes.iter().position(blends);
+        let first = match scene.blend_order {
+            BlendOrder::OfMeshes => scene.meshes.iter().position(blends),
+            // It casts no shadow, and so comes first.
+            BlendOrder::FarthestFirst => None,
+        };
         scene
             .meshes
             .insert(first.unwrap_or(scene.meshes.len()), mesh);

@@ -17,7 +17,7 @@ use levels::Levels;
 pub use prefilter::Prefilter;
 pub use roughnesses::Roughnesses;
 use roughnesses::{STEPS, level, roughness_of};
-pub use samples::EnvironmentSample;
+pub use samples::{EnvironmentSample, LEAST_SAMPLE_COSINE};
 
 /// Light from every direction as surfaces receive it: the sum over all directions is taken once, for each of twelve roughnesses and
 /// for a diffuse surface, and read by direction. Radiances from 0 to a million; others count as the nearer end.

@@ -73,7 +73,9 @@ pub use bump::{
 };
 pub use environment::Environment;
 pub use environment_layout::{EnvironmentLayout, UnknownLayout};
-pub use environment_light::{EnvironmentLight, EnvironmentSample, Prefilter, Roughnesses};
+pub use environment_light::{
+    EnvironmentLight, EnvironmentSample, LEAST_SAMPLE_COSINE, Prefilter, Roughnesses,
+};
 pub use error::LightError;
 pub use metallic_roughness::{
     MIN_ROUGHNESS, MetallicRoughnessSurface, SHEEN_MIN_ROUGHNESS, dielectric_f0,

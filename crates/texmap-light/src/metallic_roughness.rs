@@ -13,6 +13,7 @@ use crate::vector::{add, cross, dot, scale, splat, unit};
 use crate::{EnvironmentLight, Light, albedo, reflection_lobes};
 pub(crate) use lobes::power5;
 pub use visibility::EnvironmentVisibilityLanes;
+use visibility::GatheredLanes;
 
 /// Least perceptual roughness; lower ones count as this. Lights have no size, and a mirror would not show them.
 pub const MIN_ROUGHNESS: f32 = 0.03;
@@ -348,11 +349,8 @@ impl<I: Isa> ReflectanceLanes<I> {
             glossy,
             coating,
         };
-        if let Some([of_base, of_lobe, of_coat]) = visible {
-            light.diffuse = scale(light.diffuse, of_base);
-            light.irradiance = scale(light.irradiance, of_base);
-            light.glossy = scale(light.glossy, of_lobe);
-            light.coating = scale(light.coating, of_coat);
+        if let Some(visible) = visible {
+            light.shadow(visible);
         }
         scale(self.under_gathered(i, &light), share)
     }
@@ -423,18 +421,6 @@ impl<I: Isa> ReflectanceLanes<I> {
         }
         sum
     }
-}
-
-/// Light as the lobes of a surface gather it.
-struct GatheredLanes<I: Isa> {
-    /// Of the diffuse base.
-    diffuse: Vector<I>,
-    /// Of an even hemisphere: irradiance over pi. Light that scatters between facets, and cloth.
-    irradiance: Vector<I>,
-    /// Of the GGX lobe.
-    glossy: Vector<I>,
-    /// Of the clear layer.
-    coating: Vector<I>,
 }
 
 /// True if a channel is above 0 in a lane.

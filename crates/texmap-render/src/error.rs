@@ -80,7 +80,8 @@ impl RenderError {
         let first = usize::from(scene.effects.background.is_some());
         let mesh = draw
             .and_then(|draw| draw.checked_sub(first))
-            .and_then(|draw| scene.meshes.get(draw))
+            .and_then(|draw| scene.drawing_order().get(draw).copied())
+            .and_then(|draw| scene.meshes.get(draw.mesh))
             .map_or_else(|| "(all)".to_owned(), |mesh| mesh.name.clone());
         Self::Raster { mesh, error }
     }

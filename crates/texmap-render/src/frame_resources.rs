@@ -6,13 +6,11 @@ use texmap_light::{
 };
 use texmap_math::glam::{DMat3, DMat4, DVec3};
 use texmap_math::{MemoryBudget, Projector, narrow};
-use texmap_scene::shadow_fit::{
-    ENVIRONMENT_SHADOW_SIZE, fitting_size, parallel_shadow_kind, shadow_bias, shadow_kind,
-};
+use texmap_scene::shadow_fit::{ENVIRONMENT_SHADOW_SIZE, fitting_size, shadow_bias, shadow_kind};
 
 use crate::shadow::shadow_map_in;
 use crate::{RenderError, RenderSettings};
-use texmap_scene::{ProjectorLight, ProjectorMode, Scene, Shading};
+use texmap_scene::{ProjectorLight, ProjectorMode, Scene};
 use texmap_shade::projector::Projected;
 
 /// The effects of a scene, made ready: every map is finished before the first tile.
@@ -112,24 +110,19 @@ impl<'s> FrameResources<'s> {
                 }
             }
         }
-        let mut environment_shadows = Vec::new();
-        let wanted = scene.effects.environment_shadows;
-        let light = scene.effects.environment_light.as_ref();
-        if let Some(light) = light.filter(|_| wanted > 0 && reads_environment(scene)) {
+        let (samples, bias) = texmap_scene::shadow_fit::environment_shadows(scene);
+        if first_frame && !samples.is_empty() {
             let texels = u64::from(ENVIRONMENT_SHADOW_SIZE).pow(2);
-            if first_frame {
-                settings.memory.ask(
-                    texels * 4 * u64::from(wanted),
-                    format_args!("{wanted} shadow maps of the environment light"),
-                    "let fewer of its samples cast shadows",
-                )?;
-            }
-            for sample in light.samples(wanted) {
-                let direction = -texmap_math::wide(sample.direction);
-                let kind = parallel_shadow_kind(scene, direction);
-                let map = draw(&kind, ENVIRONMENT_SHADOW_SIZE, shadow_bias(scene), 1)?;
-                environment_shadows.push((sample, map));
-            }
+            settings.memory.ask(
+                texels * 4 * samples.len() as u64,
+                format_args!("{} shadow maps of the environment light", samples.len()),
+                "let fewer of its samples cast shadows",
+            )?;
+        }
+        let mut environment_shadows = Vec::new();
+        for (sample, kind) in samples {
+            let map = draw(&kind, ENVIRONMENT_SHADOW_SIZE, bias, 1)?;
+            environment_shadows.push((sample, map));
         }
         Ok(Self {
             lights,
@@ -175,14 +168,6 @@ impl<'s> FrameResources<'s> {
                 .product(),
         )
     }
-}
-
-/// True if some surface is lit by the environment.
-fn reads_environment(scene: &Scene) -> bool {
-    let mut materials = scene.materials.iter();
-    materials.any(|material| {
-        material.metallic_roughness.is_some() && material.shading == Shading::PerPixel
-    })
 }
 
 /// Reserves the depths of all faces of a shadow map.

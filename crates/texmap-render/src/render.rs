@@ -367,8 +367,14 @@ fn ask_for_frame(settings: &RenderSettings) -> Result<(), RenderError> {
 fn ask_for_geometry(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
     const VERTEX: u64 = 64;
     const TRIANGLE: u64 = 16;
-    let vertices: usize = scene.meshes.iter().map(|m| m.positions.len()).sum();
-    let triangles: usize = scene.meshes.iter().map(|m| m.triangles.len()).sum();
+    let draws = scene.drawing_order();
+    let meshes = draws.iter().map(|draw| &scene.meshes[draw.mesh]);
+    let (vertices, triangles) = meshes.fold((0, 0), |(vertices, triangles), mesh| {
+        (
+            vertices + mesh.positions.len(),
+            triangles + mesh.triangles.len(),
+        )
+    });
     settings.memory.ask(
         vertices as u64 * VERTEX + triangles as u64 * TRIANGLE,
         format_args!("the geometry of {triangles} triangles and {vertices} vertices"),

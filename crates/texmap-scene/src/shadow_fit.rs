@@ -1,8 +1,7 @@
 //! Shadow maps fitted to a scene: the square, pyramid or cube of directions that a light sees, its size and its bias.
 
-use crate::Mesh;
-use texmap_light::ShadowBias;
-use texmap_light::{Light, LightCone, ShadowKind};
+use crate::{AlphaMode, Mesh, Shading};
+use texmap_light::{EnvironmentSample, Light, LightCone, ShadowBias, ShadowKind};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 
@@ -118,22 +117,41 @@ pub fn shadow_kind(
 /// the sum over samples is one.
 pub const ENVIRONMENT_SHADOW_SIZE: u32 = 512;
 
-/// The part of a scene that a shadow map under parallel light shows: everything that casts shadows. `direction` is that of the light,
-/// not zero.
+/// The [samples](crate::Effects::environment_shadows) of the environment light that cast shadows, the part of the scene that the map of each
+/// shows, and the bias of all: of the meshes that cast shadows. None where no surface is lit by the environment.
 #[must_use]
-pub fn parallel_shadow_kind(scene: &Scene, direction: DVec3) -> ShadowKind {
-    let (centre, half) = bounding_square(scene);
-    ShadowKind::Directional {
-        light_from_world: toward(centre, direction),
-        half,
-    }
+pub fn environment_shadows(scene: &Scene) -> (Vec<(EnvironmentSample, ShadowKind)>, ShadowBias) {
+    let casters = scene.meshes.iter().filter(|mesh| {
+        let alpha = scene.materials[mesh.material].alpha;
+        !mesh.casts_no_shadow && alpha != AlphaMode::Blend
+    });
+    let (centre, half) = square_around(casters.flat_map(positions_in_world));
+    let bias = ShadowBias::Planes(2e-4 * half);
+    let lit = scene.materials.iter().any(|material| {
+        material.metallic_roughness.is_some() && material.shading == Shading::PerPixel
+    });
+    let light = scene.effects.environment_light.as_ref().filter(|_| lit);
+    let samples = light.map(|light| light.samples(scene.effects.environment_shadows));
+    let shadows = samples.into_iter().flatten().map(|sample| {
+        let direction = -wide(sample.direction);
+        let kind = ShadowKind::Directional {
+            light_from_world: toward(centre, direction),
+            half,
+        };
+        (sample, kind)
+    });
+    (shadows.collect(), bias)
 }
 
 /// Centre and half a side of a square that holds everything from any direction: of the ball around the box.
 #[must_use]
 pub fn bounding_square(scene: &Scene) -> (DVec3, f64) {
+    square_around(world_positions(scene))
+}
+
+fn square_around(points: impl Iterator<Item = DVec3>) -> (DVec3, f64) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for p in world_positions(scene) {
+    for p in points {
         (low, high) = (low.min(p), high.max(p));
     }
     if low.x > high.x {
@@ -148,11 +166,12 @@ pub fn bounding_square(scene: &Scene) -> (DVec3, f64) {
 
 /// All vertices, world space.
 pub fn world_positions(scene: &Scene) -> impl Iterator<Item = DVec3> + '_ {
-    scene.meshes.iter().flat_map(|mesh| {
-        mesh.positions
-            .iter()
-            .map(|p| mesh.world_from_object.transform_point3(wide(*p)))
-    })
+    scene.meshes.iter().flat_map(positions_in_world)
+}
+
+fn positions_in_world(mesh: &Mesh) -> impl Iterator<Item = DVec3> + '_ {
+    let points = mesh.positions.iter();
+    points.map(|p| mesh.world_from_object.transform_point3(wide(*p)))
 }
 
 /// World to the space of a light at `position` that looks along `direction` (not zero).

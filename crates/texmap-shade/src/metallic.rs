@@ -2,9 +2,11 @@
 
 use texmap_light::lanes::{
     ClearcoatLanes, EnvironmentVisibilityLanes, MetallicRoughnessLanes, ReflectanceLanes,
-    SheenLanes, Vector, splat, unit,
+    SheenLanes, Vector, dot, splat, unit,
 };
-use texmap_light::{EnvironmentLight, EnvironmentSample, Light, ShadowSampler};
+use texmap_light::{
+    EnvironmentLight, EnvironmentSample, LEAST_SAMPLE_COSINE, Light, ShadowSampler,
+};
 use texmap_math::simd::{Isa, prelude::*};
 
 use crate::Slot;
@@ -344,7 +346,11 @@ fn visible<I: Isa>(
         || {
             let mut sum = EnvironmentVisibilityLanes::new(i);
             for (sample, shadow) in shadows {
-                let weights = reflectance.sample_weights(i, sample);
+                let above = dot(plane, splat(i, sample.direction)).simd_gt(LEAST_SAMPLE_COSINE);
+                let mut weights = reflectance.sample_weights(i, sample);
+                for weight in &mut weights {
+                    *weight = above.select(*weight, i.f32(0.0));
+                }
                 let [a, b, c] = weights;
                 let lit = lit & (a.simd_gt(0.0) | b.simd_gt(0.0) | c.simd_gt(0.0));
                 if lit.any_true() {

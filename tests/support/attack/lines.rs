@@ -83,7 +83,7 @@ const WRONG: [&str; 10] = [
     "chart all.scene -o out.html --resolution 0x0",
 ];
 
-const FLAGS: [&str; 50] = [
+const FLAGS: [&str; 51] = [
     "--resolution",
     "--size",
     "--threads",
@@ -96,6 +96,7 @@ const FLAGS: [&str; 50] = [
     "--fov",
     "--camera-eye",
     "--background",
+    "--env-shadows",
     "--aov",
     "--views",
     "--frames",

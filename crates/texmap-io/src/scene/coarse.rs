@@ -26,7 +26,8 @@ pub(super) fn coarse(scene: &Scene) -> Option<String> {
         return None;
     }
     let step = most.next_up() - most;
-    let coarse = f64::from(size) < STEPS * f64::from(step) && size > 0.0;
+    // A model of no size may be a point, or have collapsed to one.
+    let coarse = f64::from(size) < STEPS * f64::from(step) && (size > 0.0 || most > 4096.0);
     coarse.then(|| {
         let axis = ["x", "y", "z"][axis];
         format!(
@@ -59,5 +60,6 @@ mod tests {
             "{text}"
         );
         assert!(warning(-3_000_000.0).is_some());
+        assert!(warning(1e9).unwrap().contains("0 wide"));
     }
 }

@@ -10,6 +10,10 @@ use crate::EnvironmentLayout;
 /// Blocks a side of a face of the cube. A Hilbert curve goes through them, so that neighbours on it are neighbours on the sphere.
 const BLOCKS: u32 = 16;
 
+/// Least cosine between a sample and the plane of a triangle at which its shadow map is asked. Light from behind a triangle reaches its
+/// smooth normals alone, as much of it as without shadows; and depths of planes almost along the light are no measure.
+pub const LEAST_SAMPLE_COSINE: f32 = 0.05;
+
 /// One direction, and the light of the part of the sphere around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnvironmentSample {
@@ -49,7 +53,8 @@ impl EnvironmentLight {
             loop {
                 let number = samples.len() as f64;
                 let inside = 0.5 + number * GOLDEN;
-                let chosen = (number + (inside - inside.floor())) / f64::from(count);
+                let inside = inside - f64::from(inside as u32);
+                let chosen = (number + inside) / f64::from(count);
                 if (first..before).contains(&chosen) {
                     direction = texel.direction;
                 }
@@ -98,7 +103,8 @@ impl EnvironmentLight {
                     let direction = EnvironmentLayout::Cube.direction(face, uv);
                     // Of a cube of half side 1, seen from its middle.
                     let way = direction / direction.abs().max_element();
-                    let angle = 4.0 / f64::from(size * size) / way.length().powi(3);
+                    let length = way.length();
+                    let angle = 4.0 / f64::from(size * size) / (length * length * length);
                     let [r, g, b] = self.rough.texel(face, x, y).map(f64::from);
                     texels.push(Texel {
                         direction,

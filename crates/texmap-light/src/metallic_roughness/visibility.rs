@@ -7,7 +7,7 @@ use texmap_math::simd::{Isa, prelude::*};
 use super::ReflectanceLanes;
 use crate::EnvironmentSample;
 use crate::lanes::Vector;
-use crate::vector::{dot, splat};
+use crate::vector::{dot, scale, splat};
 
 /// Fractions of the light of an environment that reach the diffuse base, the GGX lobe and the clear layer of a surface, as sums over
 /// [samples](crate::EnvironmentLight::samples).
@@ -46,6 +46,29 @@ impl<I: Isa> EnvironmentVisibilityLanes<I> {
             *out = some.select((reached / *out).below(one), one);
         }
         out
+    }
+}
+
+/// Light as the lobes of a surface gather it.
+pub(super) struct GatheredLanes<I: Isa> {
+    /// Of the diffuse base.
+    pub(super) diffuse: Vector<I>,
+    /// Of an even hemisphere: irradiance over pi. Light that scatters between facets, and cloth.
+    pub(super) irradiance: Vector<I>,
+    /// Of the GGX lobe.
+    pub(super) glossy: Vector<I>,
+    /// Of the clear layer.
+    pub(super) coating: Vector<I>,
+}
+
+impl<I: Isa> GatheredLanes<I> {
+    /// Leaves the fractions of light that reach the diffuse base, the GGX lobe and the clear layer.
+    #[inline(always)]
+    pub(super) fn shadow(&mut self, [of_base, of_lobe, of_coat]: Vector<I>) {
+        self.diffuse = scale(self.diffuse, of_base);
+        self.irradiance = scale(self.irradiance, of_base);
+        self.glossy = scale(self.glossy, of_lobe);
+        self.coating = scale(self.coating, of_coat);
     }
 }
 

@@ -6,6 +6,8 @@
 //! - a diffuse base gets the light that the dielectric lobe leaves, on the way in and on the way out,
 //! - sheen and clearcoat leave to the layers below the lesser of the fractions that they pass on both ways (`KHR_materials_sheen`).
 
+mod visibility;
+
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_1_PI, TAU};
 
@@ -14,7 +16,7 @@ use texmap_math::float::sqrt;
 use texmap_math::glam::DVec3;
 
 use crate::metallic_roughness::MIN_SHARE;
-use crate::{EnvironmentSample, MIN_ROUGHNESS, MetallicRoughnessSurface, SHEEN_MIN_ROUGHNESS};
+use crate::{MIN_ROUGHNESS, MetallicRoughnessSurface, SHEEN_MIN_ROUGHNESS};
 
 /// GGX distribution of half vectors (Trowbridge and Reitz) for a width `alpha` and the cosine `nh` to the normal.
 #[must_use]
@@ -359,36 +361,6 @@ impl Reflectance {
             arriving * diffuse + light.irradiance * again + light.glossy * once,
             light.coating,
         )
-    }
-
-    /// Weights of a sample of an environment in the light of the diffuse base, the GGX lobe and the clear layer:
-    /// [`ReflectanceLanes::sample_weights`](crate::lanes::ReflectanceLanes::sample_weights). The cosines are those of
-    /// [`under_gathered`](Self::under_gathered).
-    #[must_use]
-    pub fn sample_weights(
-        &self,
-        (normal, smooth, view): (DVec3, DVec3, DVec3),
-        (nv, cv): (f64, f64),
-        sample: &EnvironmentSample,
-    ) -> [f64; 3] {
-        let toward = wide(sample.direction);
-        let angle = f64::from(sample.solid_angle);
-        let light = f64::from(sample.luminance) * angle;
-        let length = (view + toward).length();
-        let lobe = |normal: DVec3, cosine: f64, roughness: f32| {
-            let nl = normal.dot(toward).max(0.0);
-            let alpha = width(roughness);
-            // A disk of a quarter of the solid angle, that of its half vectors, widens the lobe by its radius.
-            let wider = sqrt(alpha * alpha + 0.25 * angle * FRAC_1_PI);
-            let nh = ((cosine + nl) / length.max(1e-3)).min(1.0);
-            ggx(wider, nh) * core::f64::consts::PI * nl * light
-        };
-        let coat = self.surface.clearcoat;
-        [
-            normal.dot(toward).max(0.0) * light,
-            lobe(normal, nv, self.surface.roughness),
-            coat.map_or(0.0, |coat| lobe(smooth, cv, coat.roughness)),
-        ]
     }
 
     /// Radiance towards the eye of diffuse light alone: irradiance over pi, as light maps hold it. The cosines are those of

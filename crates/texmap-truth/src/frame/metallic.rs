@@ -8,11 +8,10 @@ use std::sync::OnceLock;
 use texmap_light::lanes::{ClearcoatLanes, SheenLanes};
 use texmap_light::reference::metallic_roughness::{Gathered, GgxAlbedo, Reflectance, SheenAlbedo};
 use texmap_light::{
-    EnvironmentLight, EnvironmentSample, Light, MIN_ROUGHNESS, MetallicRoughnessSurface,
-    ReflectionLobes,
+    EnvironmentLight, EnvironmentSample, LEAST_SAMPLE_COSINE, Light, MIN_ROUGHNESS,
+    MetallicRoughnessSurface, ReflectionLobes,
 };
 use texmap_math::glam::DVec3;
-use texmap_scene::shadow_fit::shadow_bias;
 use texmap_scene::{AlphaMode, Mesh, MetallicRoughness, ProjectorMode, TextureSlot};
 
 use super::color::wide;
@@ -186,7 +185,7 @@ impl<'s> Metal<'s> {
         let mut sum = DVec3::ZERO;
         if let Some(light) = &world.scene.effects.environment_light {
             let mut visible = [share; 3];
-            if !world.environment_shadows.is_empty() {
+            if !world.environment_shadows.0.is_empty() {
                 let seen = environment_visible(world, at, |sample| {
                     reflectance.sample_weights((normal, smooth, view), cosines, sample)
                 });
@@ -247,10 +246,13 @@ fn environment_visible(
     at: &Point,
     weights: impl Fn(&EnvironmentSample) -> [f64; 3],
 ) -> [f64; 3] {
-    let bias = shadow_bias(world.scene);
+    let (maps, bias) = &world.environment_shadows;
     let (mut reached, mut all) = ([0.0; 3], [0.0; 3]);
-    for (sample, map) in &world.environment_shadows {
-        let visibility = f64::from(map.visibility(at.position, at.plane, bias, 1));
+    for (sample, map) in maps {
+        if at.plane.dot(wide(sample.direction)) <= LEAST_SAMPLE_COSINE.into() {
+            continue;
+        }
+        let visibility = f64::from(map.visibility(at.position, at.plane, *bias, 1));
         for (k, weight) in weights(sample).into_iter().enumerate() {
             reached[k] += weight * visibility;
             all[k] += weight;

@@ -1,10 +1,10 @@
 //! A scene made ready for rays: its surfaces, and everything that they look up.
 
-use texmap_light::{EnvironmentSample, ShadowMap};
+use texmap_light::{EnvironmentSample, ShadowBias, ShadowMap};
 use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Cull;
 use texmap_render::{RenderError, shadow_map_for};
-use texmap_scene::shadow_fit::{ENVIRONMENT_SHADOW_SIZE, parallel_shadow_kind, shadow_bias};
+use texmap_scene::shadow_fit::ENVIRONMENT_SHADOW_SIZE;
 use texmap_scene::{Background, Scene, ToneMapping};
 
 use super::backdrop::SampledBackground;
@@ -34,8 +34,8 @@ pub(super) struct World<'s> {
     pub(super) extent: f64,
     /// By light.
     pub(super) shadows: Vec<Vec<Shadow>>,
-    /// Of the samples of the environment that cast shadows.
-    pub(super) environment_shadows: Vec<(EnvironmentSample, ShadowMap)>,
+    /// Of the samples of the environment that cast shadows, and their bias.
+    pub(super) environment_shadows: (Vec<(EnvironmentSample, ShadowMap)>, ShadowBias),
     pub(super) projectors: Vec<Cast<'s>>,
     pub(super) projector_shadows: Vec<Option<Shadow>>,
     /// Environments that something reads.
@@ -140,19 +140,16 @@ fn ranks(scene: &Scene) -> Vec<[usize; 2]> {
     ranks
 }
 
-/// The maps of the samples of the environment that cast shadows.
-fn environment_shadows(scene: &Scene) -> Result<Vec<(EnvironmentSample, ShadowMap)>, RenderError> {
-    let Some(light) = &scene.effects.environment_light else {
-        return Ok(Vec::new());
-    };
-    let samples = light.samples(scene.effects.environment_shadows).into_iter();
-    let maps = samples.map(|sample| {
-        let kind = parallel_shadow_kind(scene, -super::wide(sample.direction));
-        let bias = shadow_bias(scene);
+/// The maps of the samples of the environment that cast shadows, and the bias of their look-ups.
+fn environment_shadows(
+    scene: &Scene,
+) -> Result<(Vec<(EnvironmentSample, ShadowMap)>, ShadowBias), RenderError> {
+    let (samples, bias) = texmap_scene::shadow_fit::environment_shadows(scene);
+    let maps = samples.into_iter().map(|(sample, kind)| {
         let map = shadow_map_for(scene, &kind, ENVIRONMENT_SHADOW_SIZE, bias, 1, usize::MAX);
         Ok((sample, map?))
     });
-    maps.collect()
+    Ok((maps.collect::<Result<_, RenderError>>()?, bias))
 }
 
 /// Environments that some surface or the sky looks up.

@@ -397,7 +397,7 @@ fn glass_is_a_sheet_that_light_passes() {
     assert_eq!(mask.alpha, AlphaMode::Test(0.5));
 }
 
-/// Hidden nodes and those below them draw nothing and give no light; cameras are seen from all the same.
+/// Hidden nodes, and those below them, are not drawn.
 #[test]
 fn hidden_nodes_are_not_drawn() {
     let with = |visible: &str| {

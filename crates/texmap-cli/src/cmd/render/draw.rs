@@ -63,12 +63,13 @@ impl Context<'_> {
             if self.args.camera.named.is_some() {
                 let file = &self.item.input;
                 scene.camera = single(self.args, file, scene, scene.camera)?;
-                self.hold_ground(scene);
                 return Ok(());
             }
         }
         scene.camera = shot.camera;
-        self.hold_ground(scene);
+        if shot.time.is_some() {
+            scene.camera = self.holding_ground(scene, shot.camera);
+        }
         match (&self.moving, shot.light) {
             (Some(moving), Some(light)) => moving.place(scene, light).map_err(|e| self.refused(e)),
             _ => Ok(()),
@@ -83,10 +84,12 @@ impl Context<'_> {
         }
     }
 
-    fn hold_ground(&self, scene: &mut Scene) {
-        if self.args.light.ground_shadow {
-            hold_ground(scene);
+    /// A camera that shows all of the shadow on the ground, if there is one. Cameras of files keep their planes.
+    pub(super) fn holding_ground(&self, scene: &Scene, mut camera: Camera) -> Camera {
+        if self.args.light.ground_shadow && self.args.camera.named.is_none() {
+            hold_ground(scene, &mut camera);
         }
+        camera
     }
 
     /// The frame, and the planner's choice for it if there is a budget.

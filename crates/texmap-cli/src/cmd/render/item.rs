@@ -92,8 +92,11 @@ pub(crate) fn item(
         },
         told: RefCell::default(),
     };
-    let shots = shots(args, file, &scene, cameras, posed)?;
+    let mut shots = shots(args, file, &scene, cameras, posed)?;
     context.ground(&mut scene)?;
+    for shot in &mut shots {
+        shot.camera = context.holding_ground(&scene, shot.camera);
+    }
     // Everything is checked before the first pixel: the scene once, the camera of every picture.
     let warnings = scene.check().map_err(|e| context.refused(e))?;
     context.aovs(&scene)?;

@@ -10,6 +10,7 @@ use texmap_io::framing::{
     reads_environment, renew_studio, studio,
 };
 use texmap_light::{EnvironmentLayout, EnvironmentLight, Prefilter, Roughnesses, ToneMap};
+use texmap_math::camera::Camera;
 use texmap_math::glam::DVec3;
 use texmap_scene::{Background, ColorMode, Material, Scene};
 
@@ -30,8 +31,8 @@ pub(crate) struct LightArgs {
     /// Turn that light about the axis that points up, counter-clockwise from above
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = degrees)]
     env_rotate: Option<f64>,
-    /// Shadows and darkened corners under that light, from as many of its directions
-    #[arg(long, value_name = "DIRECTIONS", num_args = 0..=1, default_missing_value = "64", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=256))]
+    /// Shadows and dark corners under that light, from as many of its directions: 64 are smooth, 256 the most
+    #[arg(long, value_name = "DIRECTIONS", default_value_t = 0, hide_default_value = true, value_parser = clap::value_parser!(u32).range(0..=256))]
     env_shadows: u32,
     /// Draw the shadow of a model on the ground under its lowest point: what it hides of the light from all around and of directional
     /// lights. Also on --background transparent
@@ -172,6 +173,11 @@ impl LightArgs {
             }
         }
         scene.effects.environment_shadows = self.env_shadows;
+        let some = scene.effects.environment_light.is_some() && reads_environment(scene);
+        if self.env_shadows > 0 && !some {
+            let warning = "--env-shadows: light from all around reaches no surface, so that none is kept away";
+            scene.warnings.push(warning.to_owned());
+        }
         // Surfaces that were changed since the model was read, and the ground.
         renew_studio(scene, self.further());
         if let (Some(angle), Some(light)) = (self.env_rotate, &scene.effects.environment_light) {
@@ -215,10 +221,9 @@ pub(crate) fn add_ground(scene: &mut Scene, up: Up) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Moves the planes of a parallel camera, and the eye back along its rays, so that they do not cut what casts no shadow: the ground. Perspective
-/// cameras have no far plane.
-pub(crate) fn hold_ground(scene: &mut Scene) {
-    let camera = &mut scene.camera;
+/// Moves the planes of a parallel camera, and its eye back along its rays, so that they do not cut what casts no shadow: the ground.
+/// Perspective cameras have no far plane.
+pub(crate) fn hold_ground(scene: &Scene, camera: &mut Camera) {
     if camera.lens.parallel_width.is_none() {
         return;
     }
