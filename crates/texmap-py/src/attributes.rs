@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::planes::decode;
-use crate::support::{expect_length, unlocked, value};
+use crate::support::{Threads, expect_length, unlocked, value};
 
 /// Pixels that one task does.
 const TASK: usize = 1 << 13;
@@ -42,7 +42,7 @@ pub(crate) fn interpolate(
     mut out: PyReadwriteArray1<'_, f32>,
     mut out_da: PyReadwriteArray1<'_, f32>,
     batch: usize,
-    threads: Option<usize>,
+    threads: Option<Threads>,
 ) -> PyResult<()> {
     let (vertices, channels) = shape;
     let (attr, rast) = (attr.as_slice()?, rast.as_slice()?.as_chunks::<4>().0);

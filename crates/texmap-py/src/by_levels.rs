@@ -6,7 +6,7 @@ use texmap_math::{Footprint, deterministic_f32};
 use texmap_sample::{Filter, Lod, Sampler, Wrap};
 
 use crate::look_up::{interruptible_look_ups, look_up};
-use crate::support::{expect_length, level, value};
+use crate::support::{Threads, expect_length, level, value};
 use crate::texture::Texture;
 
 /// Look-ups by levels of detail: `level` holds one footprint length in texels an entry is multiplied with, see `texmap.dr.texture`.
@@ -22,7 +22,7 @@ pub(crate) fn sample_levels(
     filter: &str,
     boundary: &str,
     max_level: f32,
-    threads: Option<usize>,
+    threads: Option<Threads>,
     simd: Option<&str>,
 ) -> PyResult<()> {
     let uv = uv.as_slice()?;

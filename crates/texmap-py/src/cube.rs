@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use texmap_sample::{Alpha, ColorSpace, Image, Origin, TexelData, TextureCube};
 
 use crate::by_levels::ByLevels;
-use crate::support::{expect_length, unlocked, value};
+use crate::support::{Threads, expect_length, unlocked, value};
 use crate::texture::Group;
 
 /// A cube of six images.
@@ -70,7 +70,7 @@ pub(crate) fn sample_cube(
     mut out: PyReadwriteArray1<'_, f32>,
     filter: &str,
     max_level: f32,
-    threads: Option<usize>,
+    threads: Option<Threads>,
 ) -> PyResult<()> {
     let directions = directions.as_slice()?;
     let out = out.as_slice_mut()?;

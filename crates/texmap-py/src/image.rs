@@ -16,7 +16,7 @@ use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample};
 use texmap_truth::buffer::Buffer;
 use texmap_truth::metrics::Metrics;
 
-use crate::support::{expect_length, interruptible, io, level, value, word};
+use crate::support::{Threads, expect_length, interruptible, io, level, value, word};
 use crate::texture::{Texels, Texture};
 
 fn matrix(rows: [f64; 9]) -> DMat3 {
@@ -52,7 +52,7 @@ pub(crate) fn warp(
     mut linear: Option<PyReadwriteArray1<'_, f32>>,
     mut codes: Option<PyReadwriteArray1<'_, u8>>,
     raw: bool,
-    threads: Option<usize>,
+    threads: Option<Threads>,
     simd: Option<&str>,
 ) -> PyResult<()> {
     let map = Homography::from_matrix(matrix(rows)).map_err(refused)?;

@@ -10,7 +10,7 @@ use texmap_render::{RenderError, shadow_map_for};
 use texmap_scene::{Background, shadow_bias, shadow_kind};
 
 use crate::scene::Scene;
-use crate::support::{go_on, interruptible, value, word};
+use crate::support::{Threads, go_on, interruptible, value, word};
 
 /// The direct light on a mesh: flat texels (three floats each) and their coverage.
 #[pyfunction]
@@ -23,7 +23,7 @@ pub(crate) fn bake<'py>(
     gutter: u32,
     shadow_size: u32,
     shadow_taps: u32,
-    threads: Option<usize>,
+    threads: Option<Threads>,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<u8>>)> {
     let scene = scene.copy()?.scene;
     let baked = interruptible(py, threads, |stop| {
@@ -79,7 +79,7 @@ pub(crate) fn env<'py>(
     to: &str,
     size: u32,
     blur: Option<f32>,
-    threads: Option<usize>,
+    threads: Option<Threads>,
 ) -> PyResult<(u32, u32, usize, Bound<'py, PyArray1<f32>>)> {
     let source = environment(&texels, layout, width)?;
     let to: EnvironmentLayout = word("to", to)?;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use texmap_math::{Footprint, Level};
 use texmap_sample::{Filter, Lod, Sampler, Wrap, sample_slice};
 
-use crate::support::{expect_length, interruptible, level, unlocked, value, word};
+use crate::support::{Threads, expect_length, interruptible, level, unlocked, value, word};
 use crate::texture::Texture;
 
 /// Look-ups that one task does.
@@ -27,7 +27,7 @@ pub(crate) fn sample(
     wrap: (&str, &str),
     border: [f32; 4],
     lod: [f32; 3],
-    threads: Option<usize>,
+    threads: Option<Threads>,
     simd: Option<&str>,
 ) -> PyResult<()> {
     let sampler = Sampler {
@@ -123,13 +123,13 @@ pub(crate) fn interruptible_look_ups(
     texture: &Texture,
     uv: &[f32],
     out: &mut [f32],
-    threads: Option<usize>,
+    threads: Option<Threads>,
     work: impl Fn(usize, &[f32], &mut [f32]) -> PyResult<()> + Sync + Send,
 ) -> PyResult<()> {
     let channels = texture.channels;
     expect_length("out", out.len(), uv.len() / 2 * channels)?;
     let mut tasks = |stop: Option<&AtomicBool>| {
-        if threads == Some(1) || uv.len() <= 2 * TASK {
+        if threads == Some(Threads::ONE) || uv.len() <= 2 * TASK {
             for (k, (uv, out)) in uv
                 .chunks(2 * TASK)
                 .zip(out.chunks_mut(TASK * channels))
@@ -153,7 +153,7 @@ pub(crate) fn interruptible_look_ups(
     if uv.len() > 1 << 24 {
         return interruptible(py, threads, |stop| tasks(Some(stop)))?;
     }
-    if threads == Some(1) || uv.len() <= 2 * TASK {
+    if threads == Some(Threads::ONE) || uv.len() <= 2 * TASK {
         return py.detach(|| tasks(None));
     }
     unlocked(py, threads, || tasks(None))?

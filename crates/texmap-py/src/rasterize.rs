@@ -8,7 +8,7 @@ use texmap_raster::TargetSize;
 
 use crate::peel::Layer;
 use crate::rast::{Picture, Range};
-use crate::support::{expect_length, interruptible, level, unlocked, value};
+use crate::support::{Threads, expect_length, interruptible, level, unlocked, value};
 
 /// Draws the pictures of a batch into `rast` and, where asked, `rast_db`. `layer` holds depths and triangles of the layer before
 /// and takes those of this one.
@@ -24,7 +24,7 @@ pub(crate) fn rasterize(
     mut rast_db: Option<PyReadwriteArray1<'_, f32>>,
     layer: Option<(PyReadwriteArray1<'_, f32>, PyReadwriteArray1<'_, u32>)>,
     first_layer: bool,
-    threads: Option<usize>,
+    threads: Option<Threads>,
     simd: Option<&str>,
 ) -> PyResult<()> {
     let (pos, tri) = (

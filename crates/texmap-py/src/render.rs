@@ -11,7 +11,7 @@ use texmap_sample::{Filter, Wrap};
 
 use crate::poses::{Pose, Values, draw_all};
 use crate::scene::{Loaded, Scene, look_at};
-use crate::support::{interruptible, level, value, word};
+use crate::support::{Threads, interruptible, level, value, word};
 
 /// The cameras of a call, as flat arrays.
 #[derive(FromPyObject)]
@@ -45,7 +45,7 @@ pub(crate) fn render(
     filter: Option<&str>,
     wrap: Option<&str>,
     interp: Option<&str>,
-    threads: Option<usize>,
+    threads: Option<Threads>,
     simd: Option<&str>,
 ) -> PyResult<Vec<String>> {
     let (width, height) = size;

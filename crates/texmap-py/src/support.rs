@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::exceptions::{
-    PyFileNotFoundError, PyImportError, PyOSError, PyRuntimeError, PyValueError,
+    PyFileNotFoundError, PyImportError, PyOSError, PyOverflowError, PyRuntimeError, PyValueError,
 };
 use pyo3::prelude::*;
 use texmap_io::IoError;
@@ -107,15 +107,38 @@ pub(crate) fn level(name: Option<&str>) -> PyResult<Level> {
     })
 }
 
+/// The number of threads that a call asks for, 1 to 1024.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Threads(usize);
+
+impl Threads {
+    pub(crate) const ONE: Self = Self(1);
+}
+
+impl<'py> FromPyObject<'_, 'py> for Threads {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let refused =
+            |count: &dyn Display| value(format!("cannot run on {count} threads: give 1 to 1024"));
+        match given.extract::<i64>() {
+            Ok(count @ 1..=1024) => Ok(Self(count as usize)),
+            Ok(count) => Err(refused(&count)),
+            Err(error) if error.is_instance_of::<PyOverflowError>(given.py()) => {
+                Err(refused(&given.to_string()))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
 /// The pool of this many threads, `None`: as many as the machine gives. Pools are kept, and made again in a forked process, which
-/// has none of its parent's threads.
-fn pool(threads: Option<usize>) -> PyResult<Arc<rayon::ThreadPool>> {
+/// has none of its parent's threads: work that may share itself out runs in one of them, never in the global pool.
+fn pool(threads: Option<Threads>) -> PyResult<Arc<rayon::ThreadPool>> {
     type Pools = HashMap<(u32, usize), Arc<rayon::ThreadPool>>;
     static POOLS: OnceLock<Mutex<Pools>> = OnceLock::new();
     let count = match threads {
-        Some(0) => return Err(value("cannot run on 0 threads: give at least 1")),
-        Some(n) if n > 1024 => return Err(value(format!("threads={n}: give at most 1024"))),
-        Some(n) => n,
+        Some(Threads(count)) => count,
         None => thread::available_parallelism().map_or(1, usize::from),
     };
     let broken = |_| PyRuntimeError::new_err("texmap: a thread pool could not be made");
@@ -134,7 +157,7 @@ fn pool(threads: Option<usize>) -> PyResult<Arc<rayon::ThreadPool>> {
 /// Runs short work without the interpreter lock on a pool of `threads`.
 pub(crate) fn unlocked<T: Send>(
     py: Python<'_>,
-    threads: Option<usize>,
+    threads: Option<Threads>,
     work: impl FnOnce() -> T + Send,
 ) -> PyResult<T> {
     let pool = pool(threads)?;
@@ -153,7 +176,7 @@ pub(crate) fn go_on(stop: &AtomicBool) -> impl Fn(usize, usize) -> ControlFlow<(
 /// and is raised once the work has ended.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
-    threads: Option<usize>,
+    threads: Option<Threads>,
     work: impl FnOnce(&AtomicBool) -> T + Send,
 ) -> PyResult<T> {
     let pool = pool(threads)?;

@@ -11,7 +11,7 @@ use texmap_uv::{
     UvSet,
 };
 
-use crate::support::{go_on, interruptible, unlocked, value};
+use crate::support::{Threads, go_on, interruptible, unlocked, value};
 
 type F32s<'py> = PyReadonlyArray1<'py, f32>;
 type U32s<'py> = PyReadonlyArray1<'py, u32>;
@@ -66,7 +66,7 @@ pub(crate) fn unwrap<'py>(
     bottom_up: bool,
     seams: Vec<[u32; 2]>,
     seam_angle: Option<f64>,
-    threads: Option<usize>,
+    threads: Option<Threads>,
 ) -> PyResult<Split<'py>> {
     let (points, faces) = (points(&positions)?, faces(&triangles)?);
     let mesh = Mesh::new(points, &faces).map_err(value)?;
@@ -255,7 +255,7 @@ pub(crate) fn uv_raster<'py>(
     conservative: bool,
     gutter: u32,
     bottom_up: bool,
-    threads: Option<usize>,
+    threads: Option<Threads>,
 ) -> PyResult<Bound<'py, PyDict>> {
     fn optional<'a>(array: &'a Option<F32s<'_>>) -> PyResult<&'a [[f32; 3]]> {
         match array {
