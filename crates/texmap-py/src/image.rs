@@ -16,7 +16,7 @@ use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample};
 use texmap_truth::buffer::Buffer;
 use texmap_truth::metrics::Metrics;
 
-use crate::support::{Threads, expect_length, interruptible, io, level, value, word};
+use crate::support::{Threads, expect_length, interruptible, io, level, unlocked, value, word};
 use crate::texture::{Texels, Texture};
 
 fn matrix(rows: [f64; 9]) -> DMat3 {
@@ -123,7 +123,8 @@ pub(crate) fn read_image(
     py: Python<'_>,
     path: PathBuf,
 ) -> PyResult<(u32, u32, u32, Bound<'_, PyAny>)> {
-    let image = py.detach(|| image_io::read_image(&path)).map_err(io)?;
+    // Blocks of OpenEXR are decompressed on all threads of the pool.
+    let image = unlocked(py, None, || image_io::read_image(&path))?.map_err(io)?;
     let texels = match image.texels {
         Depth::U8(t) => PyArray1::from_vec(py, t).into_any(),
         Depth::U16(t) => PyArray1::from_vec(py, t).into_any(),
@@ -163,9 +164,7 @@ pub(crate) fn diff<'py>(
         buffer(&expected, &shape, image)?,
         buffer(&actual, &shape, image)?,
     );
-    let found = py
-        .detach(|| actual.compare(&expected, limit))
-        .map_err(value)?;
+    let found = unlocked(py, None, || actual.compare(&expected, limit))?.map_err(value)?;
     let out = figures(py, &found.values)?;
     let psnr = found.values.psnr(expected.peak.max(actual.peak));
     out.set_item("psnr", psnr)?;

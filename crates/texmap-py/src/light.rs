@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use texmap_bake::{BakeOptions, Baker};
-use texmap_light::{Environment, EnvironmentLayout, EnvironmentLight, Light, ToneMap};
+use texmap_light::{Environment, EnvironmentLayout, EnvironmentLight, Light, LightError, ToneMap};
 use texmap_render::{RenderError, shadow_map_for};
 use texmap_scene::{Background, shadow_bias, shadow_kind};
 
@@ -122,9 +122,9 @@ pub(crate) fn set_environment(
             let made = interruptible(py, None, |stop| {
                 let cube = EnvironmentLayout::Cube;
                 let cube = picture.convert_with_progress(cube, size, &go_on(stop))?;
-                EnvironmentLight::new(&cube, size)
+                Ok(EnvironmentLight::new(&cube, size)?.turned(rotate))
             })?;
-            Some(made.map_err(value)?.turned(rotate))
+            Some(made.map_err(|e: LightError| value(e))?)
         }
     };
     let map = match tone_map {

@@ -2,7 +2,7 @@
 
 use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
-use texmap_io::framing::Bounds;
+use texmap_io::framing::{Bounds, Framing, View};
 use texmap_io::{CameraAxes, CameraPose, Intrinsics};
 use texmap_math::Camera;
 use texmap_raster::Interp;
@@ -11,7 +11,7 @@ use texmap_sample::{Filter, Wrap};
 
 use crate::poses::{Pose, Values, draw_all};
 use crate::scene::{Loaded, Scene, look_at};
-use crate::support::{Threads, interruptible, level, value, word};
+use crate::support::{Threads, interruptible, level, unlocked, value, word};
 
 /// The cameras of a call, as flat arrays.
 #[derive(FromPyObject)]
@@ -51,7 +51,8 @@ pub(crate) fn render(
     let (width, height) = size;
     build_mips(py, scene)?;
     let loaded = scene.copy()?;
-    let cameras = all_cameras(&loaded, cameras.as_ref(), size)?;
+    let views = Views::of(cameras.as_ref())?;
+    let cameras = unlocked(py, threads, || all_cameras(&loaded, &views, size))??;
     let mut settings = RenderSettings::new(width, height);
     settings.supersample = supersample.unwrap_or(1);
     settings.msaa = msaa.unwrap_or(if loaded.model && supersample.is_none() {
@@ -151,10 +152,79 @@ fn build_mips(py: Python<'_>, scene: &Scene) -> PyResult<()> {
     })
 }
 
-/// The cameras of the pictures, at least one.
+/// The cameras of a call without arrays of the interpreter, for work on the threads of a pool.
+enum Views {
+    Own,
+    Poses(Calibrated),
+    LookAt([f64; 3], [f64; 3], [f64; 3], f64, Option<f64>, f64),
+    Side(View),
+}
+
+impl Views {
+    fn of(cameras: Option<&Cameras<'_>>) -> PyResult<Self> {
+        Ok(match cameras {
+            None => Self::Own,
+            Some(Cameras::View(name)) => Self::Side(word("camera", name)?),
+            Some(Cameras::LookAt(eye, look, up, fov_x, near, far)) => {
+                Self::LookAt(*eye, *look, *up, *fov_x, *near, *far)
+            }
+            Some(Cameras::Poses(poses, intrinsics, axes, world_to_camera, fov_x)) => {
+                Self::Poses(Calibrated {
+                    poses: poses.as_slice()?.as_chunks::<16>().0.to_vec(),
+                    intrinsics: match intrinsics {
+                        Some(array) => array.as_slice()?.as_chunks::<4>().0.to_vec(),
+                        None => Vec::new(),
+                    },
+                    axes: word("axes", axes)?,
+                    world_to_camera: *world_to_camera,
+                    fov_x: *fov_x,
+                })
+            }
+        })
+    }
+}
+
+/// Poses with one lens for all or one for each.
+struct Calibrated {
+    poses: Vec<[f64; 16]>,
+    intrinsics: Vec<[f64; 4]>,
+    axes: CameraAxes,
+    world_to_camera: bool,
+    fov_x: Option<f64>,
+}
+
+impl Calibrated {
+    /// `base` at each of the poses, for pictures of a size.
+    fn cameras(&self, base: &Camera, (width, height): (u32, u32)) -> PyResult<Vec<Camera>> {
+        let one = |(k, pose): (usize, &[f64; 16])| {
+            let mut rows = [[0.0; 4]; 4];
+            rows.as_flattened_mut().copy_from_slice(pose);
+            let pose = CameraPose {
+                rows,
+                axes: self.axes,
+                world_to_camera: self.world_to_camera,
+            };
+            let named = |e: String| value(format!("pose[{k}]: {e}"));
+            let mut camera = pose.place(base).map_err(named)?;
+            if let Some(fov_x) = self.fov_x {
+                camera.fov_x = fov_x;
+            }
+            let own = self.intrinsics.get(k).or_else(|| self.intrinsics.first());
+            if let Some(&[fx, fy, cx, cy]) = own {
+                let lens = Intrinsics { fx, fy, cx, cy };
+                let applied = lens.apply(&camera, f64::from(width), f64::from(height));
+                camera = applied.map_err(|e| value(format!("K[{k}]: {e}")))?;
+            }
+            Ok(camera)
+        };
+        self.poses.iter().enumerate().map(one).collect()
+    }
+}
+
+/// The cameras of the pictures, at least one. Called on a pool: fitting a camera shares its work out.
 fn all_cameras(
     loaded: &Loaded,
-    cameras: Option<&Cameras<'_>>,
+    views: &Views,
     (width, height): (u32, u32),
 ) -> PyResult<Vec<Camera>> {
     let scene = &loaded.scene;
@@ -164,61 +234,31 @@ fn all_cameras(
         )));
     }
     let aspect = f64::from(width) / f64::from(height);
-    let automatic = |framing: &texmap_io::framing::Framing| {
+    let automatic = |framing: &Framing| {
         let camera = framing.camera(scene, aspect);
         camera.ok_or_else(|| value("the scene has no triangles: give it a camera"))
     };
-    match cameras {
-        None => match &loaded.framing {
+    match views {
+        Views::Own => match &loaded.framing {
             Some(framing) => Ok(vec![automatic(framing)?]),
             None => Ok(vec![scene.camera]),
         },
-        Some(Cameras::View(name)) => {
-            let framing = texmap_io::framing::Framing {
-                view: word("camera", name)?,
+        Views::Side(view) => {
+            let framing = Framing {
+                view: *view,
                 up: loaded.up,
                 ..loaded.framing.unwrap_or_default()
             };
             Ok(vec![automatic(&framing)?])
         }
-        Some(Cameras::LookAt(eye, look, up, fov_x, near, far)) => {
+        Views::LookAt(eye, look, up, fov_x, near, far) => {
             let camera = look_at(*eye, *look, *up, *fov_x, *near, *far);
             Ok(vec![match near {
                 Some(_) => camera,
                 None => near_of(loaded, camera),
             }])
         }
-        Some(Cameras::Poses(poses, intrinsics, axes, world_to_camera, fov_x)) => {
-            let poses = poses.as_slice()?.as_chunks::<16>().0;
-            let intrinsics = match intrinsics {
-                Some(array) => array.as_slice()?.as_chunks::<4>().0.to_vec(),
-                None => Vec::new(),
-            };
-            let axes: CameraAxes = word("axes", axes)?;
-            let base = near_of(loaded, scene.camera);
-            let one = |(k, pose): (usize, &[f64; 16])| {
-                let mut rows = [[0.0; 4]; 4];
-                rows.as_flattened_mut().copy_from_slice(pose);
-                let pose = CameraPose {
-                    rows,
-                    axes,
-                    world_to_camera: *world_to_camera,
-                };
-                let named = |e: String| value(format!("pose[{k}]: {e}"));
-                let mut camera = pose.place(&base).map_err(named)?;
-                if let Some(fov_x) = fov_x {
-                    camera.fov_x = *fov_x;
-                }
-                let own = intrinsics.get(k).or_else(|| intrinsics.first());
-                if let Some(&[fx, fy, cx, cy]) = own {
-                    let lens = Intrinsics { fx, fy, cx, cy };
-                    let applied = lens.apply(&camera, f64::from(width), f64::from(height));
-                    camera = applied.map_err(|e| value(format!("K[{k}]: {e}")))?;
-                }
-                Ok(camera)
-            };
-            poses.iter().enumerate().map(one).collect()
-        }
+        Views::Poses(poses) => poses.cameras(&near_of(loaded, scene.camera), (width, height)),
     }
 }
 
