@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use texmap_bake::{BakeOptions, Baker};
+use texmap_io::framing::{Up, auto_lights, light_dark_surfaces};
 use texmap_light::{Environment, EnvironmentLayout, EnvironmentLight, Light, LightError, ToneMap};
 use texmap_render::{RenderError, shadow_map_for};
 use texmap_scene::{Background, shadow_bias, shadow_kind};
@@ -133,14 +134,13 @@ pub(crate) fn set_environment(
         None => ToneMap::None,
     };
     let mut inner = scene.inner.write().map_err(value)?;
-    let up = inner.up;
-    let model = inner.model;
+    let (up, model, lit) = (inner.up, inner.model, inner.lit);
     let scene = &mut inner.scene;
     let turned = light.map(|light| match up {
-        texmap_io::framing::Up::Y => light,
-        texmap_io::framing::Up::Z => light.upright_on_z(),
+        Up::Y => light,
+        Up::Z => light.upright_on_z(),
     });
-    if turned.is_some() && model && scene.lights == texmap_io::framing::auto_lights(up) {
+    if turned.is_some() && model && scene.lights == auto_lights(up) {
         scene.lights.clear();
     }
     if behind && turned.is_some() {
@@ -149,5 +149,9 @@ pub(crate) fn set_environment(
     scene.effects.environment_light = turned;
     scene.effects.tone_mapping.exposure = exposure;
     scene.effects.tone_mapping.map = map;
+    // Loading took the lights away that stand in for light from all around.
+    if lit {
+        light_dark_surfaces(scene, up);
+    }
     Ok(())
 }

@@ -27,6 +27,8 @@ pub(crate) struct Loaded {
     /// It is a model: four samples a pixel, and cameras near to it cut nothing away.
     pub(crate) model: bool,
     pub(crate) up: Up,
+    /// True if automatic lights stand in where surfaces would be dark for want of light.
+    pub(crate) lit: bool,
     /// The mip chains that its samplers read are built.
     pub(crate) has_mips: bool,
 }
@@ -122,6 +124,7 @@ pub(crate) fn load(
         framing: (!own_camera).then_some(framing),
         model: !scene_file,
         up,
+        lit: !scene_file,
         has_mips: false,
     }))
 }
@@ -150,6 +153,7 @@ impl Scene {
             }),
             model: true,
             up,
+            lit: false,
             has_mips: false,
         }))
     }
@@ -340,6 +344,7 @@ impl Scene {
         self.edit(|this| {
             framing::light_model(&mut this.scene, this.up, false);
             framing::light_dark_surfaces(&mut this.scene, this.up);
+            this.lit = true;
             Ok(())
         })
     }

@@ -242,6 +242,23 @@ def test_lights_environments_and_backgrounds():
     assert one.render("front", (32, 32)).rgba[16, 16].min() > 100
 
 
+@pytest.mark.parametrize("name", ["models/house.obj", "models/cube.stl", "gltf/materials.glb"])
+def test_no_environment_is_that_of_the_program(program, tmp_path, assets, name):
+    expected = the_hash(program, tmp_path, assets / name, "--resolution", "80x60", "--env", "none")
+    frame = texmap.load(assets / name).render(size=(80, 60), env="none")
+    assert frame.hash == expected and frame.rgba[..., :3].max() > 100
+
+
+def test_no_environment_leaves_the_lights_that_were_given():
+    points, faces = icosphere(1)
+    mesh = texmap.Mesh(points, faces)
+    black = {"background": (0, 0, 0), "size": (16, 16)}
+    assert texmap.Scene(mesh, lights=[]).render("front", env="none", **black).rgba[..., :3].max() == 0
+    assert texmap.Scene(mesh).render("front", env="none", **black).rgba[..., :3].max() > 100
+    with pytest.raises(ValueError, match="background='env': .*picture"):
+        texmap.Scene(mesh).render("front", env="none", background="env", size=(16, 16))
+
+
 def test_trimesh_and_open3d_shapes_are_accepted():
     points, faces = icosphere(1)
 

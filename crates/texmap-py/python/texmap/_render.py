@@ -116,8 +116,9 @@ def render(
     camera : ``None`` (the scene's own), :class:`Camera`, :class:`Poses` (one or many), or the name of a view (front, top, iso, ..).
     size : (width, height) in pixels, 1 to 16384 each.
     samples : samples of coverage per pixel, 1 or 4; default: 4 for models, 1 for .scene files. supersample : n x n samples instead.
-    env : light from all around: a lat-long picture (path or array (h, 2h, 3), floats are linear light), or ``"none"``. env_rotate in
-        degrees; exposure is a factor; tone_map: pbr-neutral, aces, agx, none.
+    env : light from all around: a lat-long picture (path or array (h, 2h, 3), floats are linear light), or ``"none"``: then the lights of
+        the scene alone, and automatic ones where surfaces would be dark, unless ``Scene`` was given ``lights``. env_rotate in degrees;
+        exposure is a factor; tone_map: pbr-neutral, aces, agx, none.
     background : colour in sRGB, 0 to 1, or ``"env"`` to show ``env`` behind the scene.
     aovs : names of arrays beside the picture: depth (1 near to 0 far), inv_w, uv, lod, face, mesh, normal, position, color (linear light,
         premultiplied), shadow:LIGHT. Holes are NaN, or 2^32 - 1 in face and mesh. (height, width) for one channel, else with a last axis.
@@ -134,8 +135,8 @@ def render(
     scene = _as_scene(scene)
     width, height = size_of(size)
     behind = isinstance(background, str)
-    if behind and (background != "env" or env is None):
-        raise ValueError(f"background={background!r}: expected a colour, or \"env\" together with env=")
+    if behind and (background != "env" or env is None or (isinstance(env, str) and env == "none")):
+        raise ValueError(f"background={background!r}: expected a colour, or \"env\" together with a picture as env=")
     if env is not None:
         scene = _with_environment(scene, env, env_rotate, exposure, tone_map, behind)
     elif tone_map is not None or exposure != 1.0 or env_rotate != 0.0:
