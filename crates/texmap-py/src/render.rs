@@ -258,7 +258,13 @@ fn all_cameras(
                 None => near_of(loaded, camera),
             }])
         }
-        Views::Poses(poses) => poses.cameras(&near_of(loaded, scene.camera), (width, height)),
+        Views::Poses(poses) => {
+            let mut base = near_of(loaded, scene.camera);
+            if let Some(framing) = &loaded.framing {
+                base.fov_x = framing.fov_x;
+            }
+            poses.cameras(&base, (width, height))
+        }
     }
 }
 

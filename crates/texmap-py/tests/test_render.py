@@ -163,6 +163,17 @@ def test_axes_and_directions_of_poses_agree(assets):
     assert texmap.diff(forward.rgba, calibrated.rgba)["mean"] < 1e-3
 
 
+def test_poses_without_a_lens_have_that_of_the_automatic_camera(assets):
+    points, faces = icosphere(1)
+    pose, size = texmap.look_at((0, 1, 4)), (48, 32)
+    for scene in (texmap.Scene(texmap.Mesh(points, faces)), texmap.load(assets / "models" / "cube.obj")):
+        found = scene.render(texmap.Poses(pose, "opencv"), size).hash
+        assert found == scene.render(texmap.Poses(pose, "opencv", fov=40), size).hash
+        assert found != scene.render(texmap.Poses(pose, "opencv", fov=60), size).hash
+    own = texmap.Scene(texmap.Mesh(points, faces), camera=texmap.Camera((0, 0, 3), fov=55))
+    assert own.render(texmap.Poses(pose, "opencv"), size).hash == own.render(texmap.Poses(pose, "opencv", fov=55), size).hash
+
+
 def test_k_projects_points_where_opencv_does():
     # A small square at a known place must be seen where K and the pose say.
     at = np.array([0.3, -0.2, 0.1])

@@ -35,7 +35,8 @@ class Poses:
     axes : ``"opencv"`` (x right, y down, looking along +z: OpenCV, COLMAP) or ``"opengl"`` (y up, looking along -z: OpenGL, Blender,
         NeRF). It has no default: a wrong guess gives a plausible wrong picture.
     K : (3, 3) or (n, 3, 3) intrinsics in pixels, the principal point from the upper left corner of the picture (half a width is the
-        middle). Without it ``fov`` is the horizontal field of view in degrees, or that of the scene's camera.
+        middle). Without it ``fov`` is the horizontal field of view in degrees, or that of the scene's camera, 40
+        for an automatic one.
     """
 
     pose: Any
