@@ -269,7 +269,7 @@ fn all_cameras(
 }
 
 /// A camera near to a model cuts nothing away that stands before it, as in the program.
-fn near_of(loaded: &Loaded, camera: Camera) -> Camera {
+pub(crate) fn near_of(loaded: &Loaded, camera: Camera) -> Camera {
     match Bounds::of(&loaded.scene).filter(|_| loaded.model) {
         Some(bounds) if bounds.radius > 0.0 => Camera {
             near: camera.near.min(1e-4 * bounds.radius),

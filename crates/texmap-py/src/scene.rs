@@ -15,6 +15,7 @@ use texmap_raster::Cull;
 use texmap_sample::{Filter, Origin, Sampler, Wrap};
 use texmap_scene::{AlphaMode, ColorMode, Material, Mesh, MetallicRoughness, Shading, TextureSlot};
 
+use crate::render::near_of;
 use crate::support::{interruptible, io, value, word};
 use crate::texture::Texture;
 
@@ -356,7 +357,7 @@ impl Scene {
         })
     }
 
-    /// The camera of pictures that name none.
+    /// The camera of pictures that name none. Meshes come first: without `near` it cuts none of them away.
     fn set_camera(
         &self,
         eye: [f64; 3],
@@ -367,7 +368,11 @@ impl Scene {
         far: f64,
     ) -> PyResult<()> {
         self.edit(|this| {
-            this.scene.camera = look_at(eye, look, up, fov_x, near, far);
+            let camera = look_at(eye, look, up, fov_x, near, far);
+            this.scene.camera = match near {
+                Some(_) => camera,
+                None => near_of(this, camera),
+            };
             this.framing = None;
             Ok(())
         })

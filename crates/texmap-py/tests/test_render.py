@@ -174,6 +174,15 @@ def test_poses_without_a_lens_have_that_of_the_automatic_camera(assets):
     assert own.render(texmap.Poses(pose, "opencv"), size).hash == own.render(texmap.Poses(pose, "opencv", fov=55), size).hash
 
 
+def test_a_camera_of_the_scene_cuts_nothing_away():
+    # The near plane would be at a thousandth of the distance to the point looked at, beyond the mesh.
+    points, faces = icosphere(1)
+    camera = texmap.Camera((0, 0, 3), look=(0, 0, -1e4))
+    own = texmap.Scene(texmap.Mesh(points, faces), camera=camera).render(size=(32, 32))
+    given = texmap.Scene(texmap.Mesh(points, faces)).render(camera, size=(32, 32))
+    assert own.hash == given.hash and (own.rgba[16, 16] != own.rgba[0, 0]).any()
+
+
 def test_k_projects_points_where_opencv_does():
     # A small square at a known place must be seen where K and the pose say.
     at = np.array([0.3, -0.2, 0.1])
