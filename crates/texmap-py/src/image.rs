@@ -14,7 +14,8 @@ use texmap_math::Homography;
 use texmap_math::glam::{DMat3, DVec2};
 use texmap_sample::{ColorSpace, EdgeMode, Filter, Resample};
 use texmap_truth::buffer::Buffer;
-use texmap_truth::metrics::Metrics;
+use texmap_truth::metrics::{self, Metrics, MetricsError, Shape};
+use texmap_truth::ssim::ssim;
 
 use crate::support::{Threads, expect_length, interruptible, io, level, unlocked, value, word};
 use crate::texture::{Texels, Texture};
@@ -133,13 +134,18 @@ pub(crate) fn read_image(
     Ok((image.width, image.height, image.channels, texels))
 }
 
+/// The values of one side as images or arrays that `texmap diff` reads.
 fn buffer(values: &Texels<'_>, shape: &[usize], image: bool) -> PyResult<Buffer> {
+    if let (true, &[height, width, 4]) = (image, shape) {
+        let texels = match values {
+            Texels::U8(t) => Depth::U8(t.as_slice()?.to_vec()),
+            Texels::U16(t) => Depth::U16(t.as_slice()?.to_vec()),
+            Texels::F32(t) => Depth::F32(t.as_slice()?.to_vec()),
+        };
+        let made = Buffer::of_image(width, height, texels);
+        return made.ok_or_else(|| value("an image has four channels here"));
+    }
     let data = match values {
-        Texels::U8(t) if image => {
-            let (height, width) = (shape[0], shape[1]);
-            let made = Buffer::of_rgba8(width, height, t.as_slice()?.to_vec());
-            return made.ok_or_else(|| value("an image has four channels here"));
-        }
         Texels::U8(t) => Data::U8(t.as_slice()?.to_vec()),
         Texels::U16(t) => Data::U16(t.as_slice()?.to_vec()),
         Texels::F32(t) => Data::F32(t.as_slice()?.to_vec()),
@@ -150,7 +156,42 @@ fn buffer(values: &Texels<'_>, shape: &[usize], image: bool) -> PyResult<Buffer>
     }))
 }
 
-/// The figures of `texmap diff` of two arrays of one shape; RGBA bytes are compared as images.
+/// Figures of two arrays of f64, which no file of the program has: of all values, and SSIM.
+#[pyfunction]
+pub(crate) fn diff_f64<'py>(
+    py: Python<'py>,
+    expected: PyReadonlyArray1<'py, f64>,
+    actual: PyReadonlyArray1<'py, f64>,
+    size: (usize, usize, usize),
+    limit: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (width, height, channels) = size;
+    let (expected, actual) = (expected.as_slice()?, actual.as_slice()?);
+    let shape = Shape {
+        width,
+        height,
+        channels,
+    };
+    let largest = |values: &[f64]| {
+        let finite = values.iter().map(|v| v.abs()).filter(|v| v.is_finite());
+        finite.fold(0.0, f64::max)
+    };
+    let found = unlocked(py, None, || {
+        let values = metrics::compare(shape, expected, actual, limit)?;
+        let peak = largest(expected).max(largest(actual));
+        let pair = |index: usize| (expected[index], actual[index]);
+        Ok((values, ssim(shape, channels, peak, pair), peak))
+    })?;
+    let (values, ssim, peak) = found.map_err(|e: MetricsError| value(e))?;
+    let out = figures(py, &values)?;
+    out.set_item("psnr", values.psnr(peak))?;
+    out.set_item("ssim", ssim)?;
+    out.set_item("passes", values.passes())?;
+    out.set_item("alpha", None::<f64>)?;
+    Ok(out)
+}
+
+/// The figures of `texmap diff` of two arrays of one shape; those of four channels may be compared as images.
 #[pyfunction]
 pub(crate) fn diff<'py>(
     py: Python<'py>,

@@ -49,6 +49,7 @@ fn _texmap(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(image::read_image, m)?)?;
     m.add_function(wrap_pyfunction!(image::homography, m)?)?;
     m.add_function(wrap_pyfunction!(image::diff, m)?)?;
+    m.add_function(wrap_pyfunction!(image::diff_f64, m)?)?;
     m.add_function(wrap_pyfunction!(image::pixel_hash, m)?)?;
     m.add_function(wrap_pyfunction!(uv::unwrap, m)?)?;
     m.add_function(wrap_pyfunction!(uv::uv_map, m)?)?;

@@ -75,20 +75,25 @@ impl Buffer {
             return Ok(Self::of_array(npy::read(path)?));
         }
         let image = read_image(path)?;
+        let (width, height) = (image.width as usize, image.height as usize);
+        Ok(Self::image(width, height, image.texels))
+    }
+
+    fn image(width: usize, height: usize, texels: Depth) -> Self {
         let mut this = Self {
             shape: Shape {
-                width: image.width as usize,
-                height: image.height as usize,
+                width,
+                height,
                 channels: 4,
             },
             peak: 1.0,
-            values: Values::Image(image.texels),
+            values: Values::Image(texels),
             axes: Vec::new(),
         };
         if this.meaning() == Meaning::Light {
             this.peak = this.largest((0..this.len()).filter(|i| i % 4 != 3));
         }
-        Ok(this)
+        this
     }
 
     /// The lengths of the axes of an array, the first of which [`shape`](Self::shape) has as rows; empty for an image.
@@ -115,20 +120,16 @@ impl Buffer {
             .fold(0.0, f64::max)
     }
 
-    /// An image of sRGB codes: four bytes a pixel, rows top to bottom. `None` unless that is their number.
+    /// An image as [`read`](Self::read) takes it from a file: four values a pixel, rows top to bottom. `None` unless that is their number.
     #[must_use]
-    pub fn of_rgba8(width: usize, height: usize, rgba: Vec<u8>) -> Option<Self> {
+    pub fn of_image(width: usize, height: usize, texels: Depth) -> Option<Self> {
         let expected = width.checked_mul(height)?.checked_mul(4)?;
-        (rgba.len() == expected).then_some(Self {
-            shape: Shape {
-                width,
-                height,
-                channels: 4,
-            },
-            peak: 1.0,
-            values: Values::Image(Depth::U8(rgba)),
-            axes: Vec::new(),
-        })
+        let found = match &texels {
+            Depth::U8(t) => t.len(),
+            Depth::U16(t) => t.len(),
+            Depth::F32(t) => t.len(),
+        };
+        (found == expected).then(|| Self::image(width, height, texels))
     }
 
     /// The values of an array, as [`read`](Self::read) takes them from a `.npy` file.
@@ -329,6 +330,19 @@ mod tests {
         );
         assert!(a.heat(&array(&[4], &[0.0; 4]), 1.0).is_none());
         assert!(a.compare(&array(&[4, 2], &[0.0; 8]), 0.0).is_err());
+    }
+
+    #[test]
+    fn codes_of_any_depth_count_from_0_to_1_and_alpha_apart() {
+        let image = |texels| Buffer::of_image(1, 1, texels);
+        let bytes = image(Depth::U8(vec![255, 0, 51, 255])).unwrap();
+        let words = image(Depth::U16(vec![65535, 0, 13107, 0])).unwrap();
+        let found = words.compare(&bytes, 0.0).unwrap();
+        assert_eq!((found.values.max, found.values.over_limit), (0.0, 0));
+        assert_eq!(found.alpha.map(|alpha| alpha.max), Some(1.0));
+        let light = image(Depth::F32(vec![3.0, 0.0, 0.5, 9.0])).unwrap();
+        assert_eq!((light.peak, light.meaning()), (3.0, Meaning::Light));
+        assert!(image(Depth::U8(vec![0; 3])).is_none());
     }
 
     #[test]

@@ -13,16 +13,21 @@ ImageLike = Any
 """An array (height, width[, channels]), a PIL image, or the path of an image file."""
 
 
-def array(values: Any, dtype: Any, name: str) -> np.ndarray:
-    """The values as a C-contiguous array of ``dtype``: without a copy where they are one already (torch CPU tensors too)."""
+def untracked(values: Any, name: str) -> np.ndarray:
+    """The values as an array of any type: torch CPU tensors without their gradients."""
     if hasattr(values, "detach") and hasattr(values, "device"):
         if getattr(values.device, "type", "cpu") != "cpu":
             raise ValueError(f"{name}: the tensor is on {values.device}; texmap works on the CPU, pass {name}.cpu()")
         values = values.detach().numpy()
     try:
-        found = np.asarray(values)
+        return np.asarray(values)
     except Exception as error:  # what an object's __array__ raises
         raise ValueError(f"{name}: cannot be read as an array: {error}") from error
+
+
+def array(values: Any, dtype: Any, name: str) -> np.ndarray:
+    """The values as a C-contiguous array of ``dtype``: without a copy where they are one already (torch CPU tensors too)."""
+    found = untracked(values, name)
     if found.dtype == object or found.dtype.kind not in "biuf":
         raise ValueError(f"{name}: expected numbers, got an array of {found.dtype}")
     want = np.dtype(dtype)
@@ -61,6 +66,11 @@ def output(out: Optional[np.ndarray], shape: Sequence[int], dtype: Any, name: st
     return out
 
 
+def is_pil(image: Any) -> bool:
+    """True for the images of Pillow, which need not be installed."""
+    return any(base.__module__.startswith("PIL.") for base in type(image).__mro__)
+
+
 def pixels(image: ImageLike, name: str = "image") -> Tuple[np.ndarray, bool]:
     """The texels of an image as (height, width, channels) of uint8, uint16 or float32, and True if they came from a file or PIL.
 
@@ -71,7 +81,7 @@ def pixels(image: ImageLike, name: str = "image") -> Tuple[np.ndarray, bool]:
         texels = flat.reshape(height, width, 4)
         # The file's own number of channels; the reader gives four.
         return (np.ascontiguousarray(texels[..., :3]) if channels in (1, 3) else texels), True
-    if type(image).__module__.startswith("PIL."):
+    if is_pil(image):
         if image.mode not in ("L", "LA", "RGB", "RGBA"):
             image = image.convert("RGBA" if "transparency" in image.info or image.mode == "PA" else "RGB")
         found = np.asarray(image)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+import os
 from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
 from . import _texmap
-from ._arrays import ImageLike, array, output, pixels, size_of
+from ._arrays import ImageLike, array, is_pil, output, pixels, size_of, untracked
 from ._texture import Texture
 
 
@@ -97,28 +99,71 @@ def warp(
     return np.ascontiguousarray(result[..., :channels])
 
 
+def _side(thing: Any, name: str) -> Tuple[np.ndarray, Optional[bool]]:
+    """Values as they are compared, and True if they are those of an image file or a PIL image, False if those of a file of an array."""
+    image = None
+    if isinstance(thing, (str, os.PathLike)):
+        if os.fspath(thing).lower().endswith(".npy"):
+            found, image = np.load(thing, allow_pickle=False), False
+        else:
+            width, height, _, flat = _texmap.read_image(os.fspath(thing))
+            return flat.reshape(height, width, 4), True
+    elif is_pil(thing):
+        return pixels(thing, name)[0], True
+    else:
+        found = untracked(thing, name)
+    if found.dtype == np.float16:
+        found = found.astype(np.float32)
+    elif found.dtype == np.uint32:
+        found = found.astype(np.float64)
+    if found.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
+        raise ValueError(f"{name}: expected uint8, uint16, uint32 or floats, got {found.dtype}")
+    return found, image
+
+
+def _rgba(found: np.ndarray, name: str) -> np.ndarray:
+    """An image of 1 to 4 channels with four of them: opaque where it has no alpha."""
+    if found.ndim == 2:
+        found = found[..., None]
+    if found.ndim != 3 or not 1 <= found.shape[2] <= 4:
+        raise ValueError(f"{name}: expected an image (height, width[, 1 to 4 channels]), got {found.shape}")
+    if found.dtype == np.float64:
+        found = found.astype(np.float32)
+    if found.shape[2] == 4:
+        return found
+    opaque = 1.0 if found.dtype == np.float32 else np.iinfo(found.dtype).max
+    colors = found[..., :3] if found.shape[2] == 3 else found[..., [0, 0, 0]]
+    alpha = found[..., 1:] if found.shape[2] == 2 else np.full(found.shape[:2] + (1,), opaque, found.dtype)
+    return np.concatenate([colors, alpha], axis=2)
+
+
 def diff(expected: ImageLike, actual: ImageLike, *, limit: float = 0.0) -> Dict[str, Any]:
     """The figures of ``texmap diff``: mean, rms, p999, max, max_at (x, y, channel), over_limit, psnr, ssim, passes, alpha.
 
-    Both of one shape and type. RGB(A) uint8 images and files are compared as images: codes count 0 to 1, alpha apart. Other arrays by
-    their numbers; arrays of more than 3 axes are stacked. ``passes`` is False where a value differs by more than ``limit``. Raises ValueError.
+    Files and PIL images, the arrays beside them, and two uint8 arrays (height, width, 3 or 4) are images: codes of 8 and 16 bits count 0
+    to 1, grey counts as three equal channels, alpha has figures of its own and is opaque where there is none. Other arrays and ``.npy``
+    files are compared by their numbers, in f64, and have one shape and, but for floats, one type; those of more than 3 axes are stacked.
+
+    ``passes`` is False where a value differs by more than ``limit``, at least 0. Raises ValueError, OSError.
     """
-    arrays = []
-    for thing, name in ((expected, "expected"), (actual, "actual")):
-        if isinstance(thing, np.ndarray) and thing.ndim != 3:
-            found = thing.astype(np.float32) if thing.dtype.kind == "f" else thing
-            arrays.append(np.ascontiguousarray(found))
-        else:
-            arrays.append(pixels(thing, name)[0])
-    one, two = arrays
-    if one.shape != two.shape or one.dtype != two.dtype:
+    if not limit >= 0.0:
+        raise ValueError(f"limit={limit!r}: give a number of at least 0")
+    (one, first), (two, second) = _side(expected, "expected"), _side(actual, "actual")
+    plain = all(a.dtype == np.uint8 and a.ndim == 3 and a.shape[2] in (3, 4) for a in (one, two))
+    image = bool(first or second or (plain and first is None and second is None))
+    if image:
+        one, two = _rgba(one, "expected"), _rgba(two, "actual")
+        if (one.dtype.kind == "f") != (two.dtype.kind == "f"):
+            raise ValueError(f"the images hold values of unlike kinds: {one.dtype} and {two.dtype}; sRGB codes are no linear light")
+    elif one.dtype.kind == two.dtype.kind == "f" and one.dtype != two.dtype:
+        one, two = one.astype(np.float64), two.astype(np.float64)
+    if one.shape != two.shape or (one.dtype != two.dtype and not image):
         raise ValueError(f"the images differ: {one.shape} of {one.dtype} and {two.shape} of {two.dtype}")
-    if one.dtype not in (np.uint8, np.uint16, np.float32):
-        raise ValueError(f"expected uint8, uint16 or float32, got {one.dtype}")
-    image = one.dtype == np.uint8 and one.ndim == 3 and one.shape[2] in (3, 4)
-    if image and one.shape[2] == 3:
-        opaque = np.full(one.shape[:2] + (1,), 255, np.uint8)
-        one, two = (np.concatenate([picture, opaque], axis=2) for picture in (one, two))
+    one, two = np.ascontiguousarray(one), np.ascontiguousarray(two)
+    if one.dtype == np.float64:
+        *rows, width, channels = {0: (1, 1, 1), 1: (1, *one.shape, 1), 2: (*one.shape, 1)}.get(one.ndim, one.shape)
+        size = (width, math.prod(rows), channels)
+        return _texmap.diff_f64(one.reshape(-1), two.reshape(-1), size, float(limit))
     return _texmap.diff(one.reshape(-1), two.reshape(-1), list(one.shape), image, float(limit))
 
 
