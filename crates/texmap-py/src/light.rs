@@ -85,6 +85,8 @@ pub(crate) fn env<'py>(
     let source = environment(&texels, layout, width)?;
     let to: EnvironmentLayout = word("to", to)?;
     let made = interruptible(py, threads, |stop| match blur {
+        // Another format is no other picture.
+        None if source.layout() == to && source.size().1 == size => Ok(source),
         None => source.convert_with_progress(to, size, &go_on(stop)),
         Some(exponent) => source.specular_map_with_progress(to, size, exponent, &go_on(stop)),
     })?

@@ -269,6 +269,43 @@ def test_no_environment_is_that_of_the_program(program, tmp_path, assets, name):
     assert frame.hash == expected and frame.rgba[..., :3].max() > 100
 
 
+@pytest.mark.parametrize("kind", [np.int64, np.int32, np.uint32, bool])
+def test_whole_numbers_without_a_scale_are_no_light(kind):
+    sky = np.ones((8, 16, 3), kind)
+    points, faces = icosphere(0)
+    for call in (
+        lambda: texmap.render((points, faces), size=(8, 8), env=sky),
+        lambda: texmap.env(sky),
+        lambda: texmap.env(np.ones((6, 8, 8, 3), kind), "lat-long", layout="cube"),
+    ):
+        with pytest.raises(ValueError, match="expected .*uint8.*got"):
+            call()
+    assert texmap.env(np.full((8, 16, 3), 255, np.uint8)).max() == 1
+
+
+@pytest.mark.parametrize("blur", [None, 40.0])
+@pytest.mark.parametrize("to", ["cube", "octahedron", "lat-long", "dual-paraboloid"])
+def test_environments_have_the_default_size_of_the_program(program, tmp_path, rng, to, blur):
+    sky = rng.random((31, 62, 3), np.float32)
+    image_module = pytest.importorskip("PIL.Image")
+    codes = (sky * 255).astype(np.uint8)
+    image_module.fromarray(codes).save(tmp_path / "sky.png")
+    more = [] if blur is None else ["--blur", blur]
+    words = program("env", tmp_path / "sky.png", "--to", to, "-o", tmp_path / "out.exr", "--quiet", *more)
+    assert not words or "texels" in words
+    made = texmap.env(tmp_path / "sky.png", to, blur=blur)
+    written = sorted(tmp_path.glob("out*.exr"))
+    sizes = [texmap.Texture(path).shape[:2] for path in written]
+    assert made.size // 3 == sum(h * w for h, w in sizes)
+
+
+def test_an_environment_in_its_own_layout_is_a_copy(rng):
+    sky = rng.random((16, 32, 3), np.float32)
+    assert np.array_equal(texmap.env(sky, "lat-long"), sky)
+    assert np.array_equal(texmap.env(sky, "lat-long", size=16), sky)
+    assert not np.array_equal(texmap.env(sky, "lat-long", blur=40.0, size=16), sky)
+
+
 def test_no_environment_leaves_the_lights_that_were_given():
     points, faces = icosphere(1)
     mesh = texmap.Mesh(points, faces)

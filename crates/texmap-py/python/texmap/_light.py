@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Optional, Union
 
 import numpy as np
 
 from . import _texmap
-from ._arrays import array, pixels
-from ._meshes import _linear
+from ._meshes import light_of
 from ._scene import _as_scene
 
 
@@ -49,27 +49,21 @@ def env(
 ) -> np.ndarray:
     """An environment in another layout, or blurred to a specular map, as ``texmap env``.
 
-    picture : (height, width, 3) or (faces, height, width, 3): linear light where float, sRGB where whole numbers; or a path. Several faces
+    picture : (height, width, 3) or (faces, height, width, 3): linear light where float, sRGB where uint8 or uint16; or a path. Several faces
     may stand below each other. layout, to : cube, tan-cube, lat-long, octahedron, equal-area-octahedron, dual-paraboloid, sphere-map.
-    size : height of a face in texels; default: as many texels in all as the picture has. blur : exponent of the highlight whose light is
+    size : height of a face in texels; default: no more texels in all than the picture has. The layout that the picture has at its own
+    size is a copy. blur : exponent of the highlight whose light is
     gathered around each direction.
 
     Returns (height, width, 3) float32, or (faces, height, width, 3) for layouts of several faces. Raises ValueError, OSError.
     """
-    found = picture
-    if not isinstance(picture, np.ndarray) or picture.ndim == 3:
-        found, _ = pixels(picture, "picture")
-    if found.dtype.kind in "iu":
-        found = _linear(found.astype(np.float64) / np.iinfo(found.dtype).max)
-    if found.shape[-1] not in (3, 4):
-        raise ValueError(f"picture: expected 3 channels, got shape {found.shape}")
-    light = array(found[..., :3], np.float32, "picture")
+    light = light_of(picture, "picture")
     width = light.shape[-2]
     texels = light.size // 3
     if size is None:
         faces = _FACES.get(to, 1)
         aspect = 2 if to == "lat-long" else 1
         wanted = texels if blur is None else 6 * int(np.ceil(np.clip(10.0 * np.sqrt(blur), 8.0, 256.0))) ** 2
-        size = max(1, int(round((wanted / (faces * aspect)) ** 0.5)))
+        size = max(1, math.isqrt(wanted // (faces * aspect)))
     w, h, faces, flat = _texmap.env(light.reshape(-1), width, layout, to, size, blur, threads)
     return flat.reshape(faces, h, w, 3) if faces > 1 else flat.reshape(h, w, 3)

@@ -7,7 +7,7 @@ from typing import Any, List, Optional, Sequence, Union
 
 import numpy as np
 
-from ._arrays import ImageLike
+from ._arrays import ImageLike, array, pixels
 from ._texture import Texture
 
 Vector = Sequence[float]
@@ -138,6 +138,19 @@ def _of_open3d(mesh: Any) -> Mesh:
         _linear(colors) if len(colors) else None,
         material=made,
     )
+
+
+def light_of(picture: Any, name: str) -> np.ndarray:
+    """A picture of light (.., height, width, 3) as float32: floats are linear light, codes of 8 and 16 bits are sRGB."""
+    several = isinstance(picture, np.ndarray) and picture.ndim == 4
+    found = picture if several else pixels(picture, name)[0]
+    if found.dtype in (np.uint8, np.uint16):
+        found = _linear(found.astype(np.float64) / np.iinfo(found.dtype).max)
+    if found.dtype.kind != "f":
+        raise ValueError(f"{name}: expected floats, uint8 or uint16, got {found.dtype}")
+    if found.shape[-1] not in (3, 4):
+        raise ValueError(f"{name}: expected 3 channels, got shape {found.shape}")
+    return array(found[..., :3], np.float32, name)
 
 
 def _linear(srgb: np.ndarray) -> np.ndarray:

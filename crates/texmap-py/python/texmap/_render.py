@@ -10,9 +10,9 @@ from typing import Any, List, Optional, Sequence, Union
 import numpy as np
 
 from . import _texmap
-from ._arrays import array, output, pixels, size_of
+from ._arrays import output, size_of
 from ._cameras import Camera, Poses, _camera
-from ._meshes import _linear
+from ._meshes import light_of
 from ._picture import png_bytes, write_png
 from ._scene import Scene, TexmapWarning, _as_scene, _color
 
@@ -72,15 +72,9 @@ def _with_environment(scene: Scene, env: Any, rotate: float, exposure: float, to
     if isinstance(env, str) and env == "none":
         _texmap.set_environment(copied._inner, None, 0, 0.0, exposure, tone_map, False)
         return copied
-    picture = env
-    if isinstance(env, (str, os.PathLike)) or hasattr(env, "mode"):
-        picture, _ = pixels(env, "env")
-    picture = np.asarray(picture)
-    if picture.dtype.kind in "iu":
-        picture = _linear(picture.astype(np.float64) / np.iinfo(picture.dtype).max)
-    if picture.ndim != 3 or picture.shape[2] not in (3, 4) or picture.shape[1] != 2 * picture.shape[0]:
-        raise ValueError(f"env: expected a picture of all directions (height, 2 * height, 3), got {picture.shape}")
-    light = array(picture[..., :3], np.float32, "env")
+    light = light_of(env, "env")
+    if light.ndim != 3 or light.shape[1] != 2 * light.shape[0]:
+        raise ValueError(f"env: expected a picture of all directions (height, 2 * height, 3), got {light.shape}")
     _texmap.set_environment(copied._inner, light.reshape(-1), light.shape[1], math.radians(rotate), exposure, tone_map, behind)
     return copied
 
