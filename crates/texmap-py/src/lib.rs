@@ -36,6 +36,7 @@ fn _texmap(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_class::<cube::Cube>()?;
     m.add_function(wrap_pyfunction!(scene::load, m)?)?;
     m.add_function(wrap_pyfunction!(render::render, m)?)?;
+    m.add_function(wrap_pyfunction!(render::check_cameras, m)?)?;
     m.add_function(wrap_pyfunction!(look_up::sample, m)?)?;
     m.add_function(wrap_pyfunction!(by_levels::sample_levels, m)?)?;
     m.add_function(wrap_pyfunction!(cube::sample_cube, m)?)?;

@@ -152,6 +152,19 @@ fn build_mips(py: Python<'_>, scene: &Scene) -> PyResult<()> {
     })
 }
 
+/// Refuses poses and lenses that no picture of this size can be drawn by, with the words of [`render`].
+#[pyfunction]
+#[pyo3(signature = (cameras, size))]
+pub(crate) fn check_cameras(cameras: Cameras<'_>, size: (u32, u32)) -> PyResult<()> {
+    if let Views::Poses(poses) = Views::of(Some(&cameras))? {
+        let base = Camera::look_at([0.0, 0.0, 1.0], [0.0; 3]);
+        for camera in poses.cameras(&base, size)? {
+            camera.view().map_err(value)?;
+        }
+    }
+    Ok(())
+}
+
 /// The cameras of a call without arrays of the interpreter, for work on the threads of a pool.
 enum Views {
     Own,

@@ -217,6 +217,36 @@ def test_project_is_the_inverse_of_a_picture(assets, axes, calibrated):
     assert np.allclose(texmap.project(frame["position"][rows, columns], world_to_camera, (80, 60))[0], uv, atol=1e-4)
 
 
+def test_project_refuses_the_cameras_that_pictures_refuse():
+    pose, size = texmap.look_at((0, 1, 4)), (64, 48)
+    sheared, affine = pose.copy(), pose.copy()
+    sheared[:3, 0] += pose[:3, 1]
+    affine[3] = (0, 0, 0.1, 1)
+    k = np.array([[60.0, 0, 32], [0, 60, 24], [0, 0, 1]])
+    points, faces = icosphere(0)
+    scene = texmap.Scene(texmap.Mesh(points, faces))
+    for camera, words in [
+        (texmap.Poses(pose, "opencv", fov=0), "field of view"),
+        (texmap.Poses(pose, "opencv", fov=-20), "field of view"),
+        (texmap.Poses(pose, "opencv", fov=180), "field of view"),
+        (texmap.Poses(pose, "opencv", fov=float("nan")), "field of view"),
+        (texmap.Poses(pose, "opencv", K=k * [[-1], [1], [1]]), "focal lengths"),
+        (texmap.Poses(pose, "opencv", K=k * [[0], [1], [1]]), "focal lengths"),
+        (texmap.Poses(pose @ np.diag([-1.0, 1, 1, 1]), "opencv", fov=50), "mirrors"),
+        (texmap.Poses(sheared, "opencv", fov=50), "lengths|right angles"),
+        (texmap.Poses(affine, "opencv", fov=50), "last row"),
+        (texmap.Poses(np.zeros((4, 4)), "opencv", fov=50), "last row"),
+        (texmap.Poses(pose * np.nan, "opencv", fov=50), "finite"),
+        (texmap.Poses(pose, "blender", fov=50), "opencv"),
+    ]:
+        for call in (lambda: texmap.project([[0, 0, 0]], camera, size), lambda: scene.render(camera, size)):
+            with pytest.raises(ValueError, match=words):
+                call()
+    uv, w = texmap.project([[0.2, 0.1, 0]], texmap.Poses(pose, "opencv", K=k), size)
+    larger = texmap.project([[0.2, 0.1, 0]], texmap.Poses(pose @ np.diag([3.0, 3, 3, 1]), "opencv", K=k), size)
+    assert np.allclose(uv, larger[0]) and np.allclose(w, larger[1])
+
+
 def test_look_at_refuses_what_has_no_view():
     for eye, up in (((0, 0, 0), (0, 1, 0)), ((0, 5, 0), (0, 1, 0)), ((1, 0, 0), (0, 0, 0))):
         with pytest.raises(ValueError, match="no view"):

@@ -8,6 +8,7 @@ from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from . import _texmap
 from ._arrays import array, size_of
 
 Vector = Sequence[float]
@@ -92,21 +93,22 @@ def project(points: Any, camera: Poses, size: Any) -> Tuple[np.ndarray, np.ndarr
 
     Returns uv (..., 2) float32, texture coordinates in the picture (v = 0 at its bottom row, as :func:`texmap.sample` reads it), and w (...)
     float32, distances along the line of sight, the inverse of the AOV inv_w. Points that are not before the camera have uv -1. Raises
-    ValueError.
+    ValueError for what :func:`texmap.render` refuses, too.
     """
     width, height = size_of(size)
-    (flat, lens, axes, world_to_camera, fov), _ = camera._arguments()
+    arguments, _ = camera._arguments()
+    flat, lens, axes, world_to_camera, fov = arguments
     if len(flat) != 16:
         raise ValueError(f"camera: expected one pose, got {len(flat) // 16}")
     if lens is None and fov is None:
         raise ValueError("camera: give K or fov")
-    if axes not in ("opencv", "opengl"):
-        raise ValueError(f"axes={axes!r}: know opengl, opencv")
+    _texmap.check_cameras(arguments, (width, height))
     found = array(points, np.float64, "points")
     if found.ndim < 1 or found.shape[-1] != 3:
         raise ValueError(f"points: expected shape (..., 3), got {found.shape}")
-    matrix = flat.reshape(4, 4) if world_to_camera else np.linalg.inv(flat.reshape(4, 4))
-    seen = found @ matrix[:3, :3].T + matrix[:3, 3]
+    to_world = np.linalg.inv(flat.reshape(4, 4)) if world_to_camera else flat.reshape(4, 4)
+    # A pose may scale, which changes no picture: distances are those of the world.
+    seen = (found - to_world[:3, 3]) @ (to_world[:3, :3] / np.linalg.norm(to_world[:3, :3], axis=0))
     if axes == "opengl":
         seen = seen * [1.0, -1.0, -1.0]
     if lens is None:

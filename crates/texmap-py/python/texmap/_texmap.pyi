@@ -55,6 +55,7 @@ def render(
     scene: Scene, size: Tuple[int, int], cameras: Any, rgba: U8, aovs: Sequence[Tuple[str, NDArray[Any]]], supersample: Optional[int],
     msaa: Optional[int], filter: Optional[str], wrap: Optional[str], interp: Optional[str], threads: Optional[int], simd: Optional[str],
 ) -> List[str]: ...
+def check_cameras(cameras: Any, size: Tuple[int, int]) -> None: ...
 def sample(
     texture: Texture, uv: F32, duv: Optional[F32], out: F32, filter: str, wrap: Tuple[str, ...], border: Sequence[float],
     lod: Sequence[float], threads: Optional[int], simd: Optional[str],
