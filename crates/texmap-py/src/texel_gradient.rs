@@ -6,7 +6,7 @@ use texmap_math::deterministic_f64;
 use texmap_sample::{Filter, Wrap};
 
 use crate::by_levels::{ByLevels, footprint_length};
-use crate::support::expect_length;
+use crate::support::{expect_length, value};
 
 /// Gradient with respect to the texels of one image from that with respect to the look-ups of `sample_levels`. Summed in f64 in the
 /// order of the look-ups, on one thread; that of a coarser level goes to the texels that it is the mean of.
@@ -32,6 +32,9 @@ pub(crate) fn texture_gradient(
     let (grad, out) = (grad.as_slice()?, out.as_slice_mut()?);
     expect_length("grad", grad.len(), uv.len() * channels)?;
     expect_length("out", out.len(), size.0 * size.1 * channels)?;
+    if out.is_empty() {
+        return Err(value("a texture without texels has no gradient"));
+    }
     py.detach(|| {
         let mut levels = Levels::new(size, channels, max_level);
         let texels = [size.0 as f32, size.1 as f32];

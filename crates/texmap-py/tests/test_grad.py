@@ -92,6 +92,12 @@ def test_positions_have_no_gradient():
         grad.texture_backward(np.zeros((1, 1, 1, 3)), (1, 4, 4, 3), np.zeros((1, 1, 1, 2)), boundary_mode="cube")
 
 
+@pytest.mark.parametrize("shape", [(1, 0, 8, 3), (1, 8, 0, 3), (1, 8, 8, 0), (0, 8, 8, 3), (1, -1, 8, 3), (1, 8, 8.5, 3), (8, 8, 3)])
+def test_a_texture_without_texels_is_an_error(shape):
+    with pytest.raises(ValueError, match="tex_shape"):
+        grad.texture_backward(np.ones((1, 4, 4, 3)), shape, np.zeros((1, 4, 4, 2)))
+
+
 def test_an_unknown_boundary_is_an_error():
     with pytest.raises(ValueError, match="boundary_mode=\"mirror\": know wrap, clamp, zero"):
         grad.texture_backward(np.zeros((1, 1, 1, 3)), (1, 4, 4, 3), np.zeros((1, 1, 1, 2)), boundary_mode="mirror")

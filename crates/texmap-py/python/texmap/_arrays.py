@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from typing import Any, Optional, Sequence, Tuple, Union
 
@@ -98,6 +99,19 @@ def pixels(image: ImageLike, name: str = "image") -> Tuple[np.ndarray, bool]:
     if found.dtype not in (np.uint8, np.uint16, np.float32):
         raise ValueError(f"{name}: expected uint8, uint16 or float32, got {found.dtype}")
     return np.ascontiguousarray(found), False
+
+
+def whole(number: Any, name: str, least: int = 0, most: int = 1 << 31) -> int:
+    """A whole number of a range. Raises ValueError with its name, TypeError for what is no number."""
+    try:
+        found = operator.index(number)
+    except TypeError:
+        if not isinstance(number, (float, np.floating)):
+            raise TypeError(f"{name}: expected a whole number, got {type(number).__name__}") from None
+        raise ValueError(f"{name}={number!r}: expected a whole number") from None
+    if not least <= found <= most:
+        raise ValueError(f"{name}={found}: expected a number from {least} to {most}")
+    return found
 
 
 def bottom_up(origin: str) -> bool:

@@ -15,7 +15,7 @@ from typing import Any, Optional, Tuple
 import numpy as np
 
 from . import _texmap, dr
-from ._arrays import array
+from ._arrays import array, whole
 
 __all__ = ["interpolate", "interpolate_backward", "texture", "texture_backward"]
 
@@ -39,7 +39,10 @@ def texture_backward(
         raise NotImplementedError("gradients of cube textures do not exist yet")
     mode = dr._mode(filter_mode, uv_da, mip_level_bias)
     places, da, bias = dr._places(uv, uv_da, mip_level_bias, False)
-    count, height, width, channels = tex_shape
+    sides = [whole(n, "tex_shape", 1) for n in tex_shape]
+    if len(sides) != 4:
+        raise ValueError(f"tex_shape={tuple(tex_shape)!r}: expected 4 numbers, (B or 1, H, W, C)")
+    count, height, width, channels = sides
     found = array(grad, np.float32, "grad")
     if found.shape != places.shape[:3] + (channels,):
         raise ValueError(f"grad: expected shape {places.shape[:3] + (channels,)}, got {found.shape}")
