@@ -49,6 +49,7 @@ pub(crate) fn sample_levels(
                     };
                     let scale = bias.map_or(1.0, |bias| deterministic_f32::exp2(bias[k]));
                     let length = length * scale;
+                    let length = if length > LONGEST { LONGEST } else { length };
                     into.push(Footprint::new(length / size[0], 0.0, 0.0, length / size[1]));
                 }
             },
@@ -127,5 +128,16 @@ pub(crate) fn footprint_length(da: &[f32], [width, height]: [f32; 2]) -> f32 {
     let (vx, vy) = (da[2] * height, da[3] * height);
     let (a, b, c) = (ux * ux + uy * uy, ux * vx + uy * vy, vx * vx + vy * vy);
     let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
-    (mean + (half * half + b * b).sqrt()).sqrt()
+    let length = (mean + (half * half + b * b).sqrt()).sqrt();
+    match length.is_finite() || da.iter().any(|d| d.is_nan()) {
+        true => length,
+        // Squares beyond f32, whose differences say nothing: the longest of the four is not far off the length.
+        false => {
+            let longest = [ux, uy, vx, vy].map(f32::abs).into_iter();
+            longest.fold(0.0, f32::max).min(LONGEST)
+        }
+    }
 }
+
+/// Texels of the longest footprint that a sampler takes: its square is finite, and no chain has a level as coarse.
+const LONGEST: f32 = 1e18;

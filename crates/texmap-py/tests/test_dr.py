@@ -6,6 +6,7 @@ from conftest import clip_from_world, icosphere, to_clip
 
 import reference
 import texmap.dr as dr
+import texmap.grad as grad
 
 
 def random_triangles(rng, count, w_ratio, size=0.5):
@@ -279,3 +280,17 @@ def test_out_is_filled_in_place():
     assert rast is out[0] and db is out[1] and (rast[..., 3] == 1).all()
     with pytest.raises(ValueError, match="out"):
         dr.rasterize(None, pos, [[0, 1, 2]], (4, 4), out=(out[0][:, :2], out[1]))
+
+
+@pytest.mark.parametrize("size", [1e10, 1e19, 3e38, np.inf])
+@pytest.mark.parametrize("axes", [[[1, 0], [0, 1]], [[1, 1], [1, -1]], [[0, 1], [1, 0]], [[1, 0], [0, 0]]])
+def test_huge_footprints_read_the_coarsest_level(rng, size, axes):
+    tex = rng.random((1, 8, 8, 2), np.float32)
+    with np.errstate(invalid="ignore"):
+        da = np.where(np.array(axes) == 0, 0, np.array(axes) * size).astype(np.float32).reshape(1, 1, 1, 4)
+    uv = np.full((1, 1, 1, 2), 0.3, np.float32)
+    mean = tex.mean(axis=(1, 2))
+    assert np.allclose(dr.texture(tex, uv, da), mean, atol=1e-5)
+    assert np.allclose(dr.texture(tex, uv, da, np.full((1, 1, 1), 200.0)), mean, atol=1e-5)
+    ones = np.ones((1, 1, 1, 2), np.float32)
+    assert np.allclose(grad.texture_backward(ones, tex.shape, uv, da), 1 / 64)
