@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use texmap_bake::{BakeOptions, Baker};
 use texmap_io::framing::{Up, auto_lights, light_dark_surfaces};
 use texmap_light::{Environment, EnvironmentLayout, EnvironmentLight, Light, LightError, ToneMap};
+use texmap_math::MemoryBudget;
 use texmap_render::{RenderError, shadow_map_for};
 use texmap_scene::{Background, shadow_bias, shadow_kind};
 
@@ -65,6 +66,12 @@ fn environment(
 ) -> PyResult<Environment> {
     let layout: EnvironmentLayout = word("layout", layout)?;
     let texels = texels.as_slice()?.as_chunks::<3>().0;
+    let asked = MemoryBudget::of_process().ask(
+        2 * size_of_val(texels) as u64,
+        format_args!("an environment of {} texels", texels.len()),
+        "give a smaller picture",
+    );
+    asked.map_err(value)?;
     Environment::from_texels(layout, (width, width / layout.aspect().max(1)), texels).map_err(value)
 }
 
@@ -84,6 +91,14 @@ pub(crate) fn env<'py>(
 ) -> PyResult<(u32, u32, usize, Bound<'py, PyArray1<f32>>)> {
     let source = environment(&texels, layout, width)?;
     let to: EnvironmentLayout = word("to", to)?;
+    // Faces have borders of one texel; the result stands beside them.
+    let [width, height] = [size.saturating_mul(to.aspect()), size].map(|side| u64::from(side) + 2);
+    let asked = MemoryBudget::of_process().ask(
+        (24 * to.faces() as u64 * width).saturating_mul(height),
+        format_args!("an environment of {size} texels a side"),
+        "lower size",
+    );
+    asked.map_err(value)?;
     let made = interruptible(py, threads, |stop| match blur {
         // Another format is no other picture.
         None if source.layout() == to && source.size().1 == size => Ok(source),

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use numpy::{PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
+use texmap_math::MemoryBudget;
 use texmap_sample::{Alpha, ColorSpace, Filter, Image, Origin, TexelData, Texture2d};
 
 use crate::support::{expect_length, value};
@@ -67,6 +68,8 @@ impl Group {
     }
 }
 
+const SMALLER: &str = "give a smaller image, or one at a time";
+
 /// The textures of an image: one of up to four channels, or one for each four channels of data.
 fn groups(
     texels: TexelData<'_>,
@@ -75,7 +78,17 @@ fn groups(
     (color, alpha, origin): (ColorSpace, Alpha, Origin),
     mips: bool,
 ) -> PyResult<Vec<Texture2d<'static>>> {
+    let budget = MemoryBudget::of_process();
+    let what = format_args!("a texture of {width} x {height} texels");
     let texture = |texels: &TexelData<'_>, channels: usize, alpha: Alpha| {
+        // Bytes of a texel as it is kept: whole numbers have 8 or 16 bits for each of four channels.
+        let each = match (texels, channels) {
+            (TexelData::U8(_), _) | (TexelData::F32(_), 1) => 4,
+            (TexelData::F32(_), _) => 16,
+            _ => 8,
+        };
+        let bytes = each * u64::from(width) * u64::from(height);
+        budget.ask(bytes, what, SMALLER).map_err(value)?;
         let image = Image {
             width,
             height,
@@ -86,7 +99,12 @@ fn groups(
             origin,
         };
         let texture = Texture2d::new(&image).map_err(value)?;
-        Ok(if mips { texture.with_mips() } else { texture })
+        if !mips {
+            return Ok(texture);
+        }
+        let more = texture.bytes_to_prepare(Filter::Trilinear);
+        budget.ask(more, what, SMALLER).map_err(value)?;
+        Ok(texture.with_mips())
     };
     if channels <= 4 {
         return Ok(vec![texture(&texels, channels, alpha)?]);
@@ -95,6 +113,8 @@ fn groups(
         .step_by(4)
         .map(|first| {
             let count = (channels - first).min(4);
+            let bytes = len(&texels) as u64 / channels as u64 * count as u64 * 4;
+            budget.ask(bytes, what, SMALLER).map_err(value)?;
             let group = Group::of(texels, channels, first, count);
             texture(&group.data(), count, Alpha::Data)
         })

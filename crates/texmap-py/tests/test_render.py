@@ -145,6 +145,32 @@ def test_poses_that_do_not_fit_in_memory_together_are_drawn_one_by_one(assets):
     assert done.returncode == 1 and "ValueError: no memory for a frame of 1400 x 1400 pixels" in done.stderr, done.stderr
 
 
+LARGE_WORK = """
+import resource, sys
+import numpy as np, texmap
+works = {
+    "env": lambda: texmap.env(np.ones((8, 16, 3), np.float32), "cube", size=6000, threads=1),
+    "texture": lambda: texmap.Texture(np.zeros((6000, 6000, 4), np.float32)),
+    "channels": lambda: texmap.Texture(np.zeros((4000, 4000, 9), np.float32)),
+}
+limit = {"env": 900, "texture": 1200, "channels": 1200}[sys.argv[1]] << 20
+resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
+try:
+    works[sys.argv[1]]()
+    print("done")
+except ValueError as error:
+    print(str(error)[:13])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS is Linux's")
+@pytest.mark.parametrize("work", ["env", "texture", "channels"])
+def test_a_shortage_of_memory_is_an_error(work):
+    variables = os.environ | {"MALLOC_ARENA_MAX": "1", "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run([sys.executable, "-c", LARGE_WORK, work], capture_output=True, text=True, timeout=120, env=variables)
+    assert done.stdout == "no memory for\n", (done.returncode, done.stderr)
+
+
 def test_axes_and_directions_of_poses_agree(assets):
     scene = texmap.load(assets / "models" / "cow.obj")
     pose = looking_at((5, 4, 12))
