@@ -26,8 +26,8 @@ fn matrix(rows: [f64; 9]) -> DMat3 {
 
 /// The map from four corners to four others, as nine numbers in rows.
 #[pyfunction]
-pub(crate) fn homography(from: [[f64; 2]; 4], to: [[f64; 2]; 4]) -> PyResult<[f64; 9]> {
-    let quads = [from, to].map(|quad| quad.map(DVec2::from));
+pub(crate) fn homography(source: [[f64; 2]; 4], target: [[f64; 2]; 4]) -> PyResult<[f64; 9]> {
+    let quads = [source, target].map(|quad| quad.map(DVec2::from));
     let map = Homography::from_quads(quads[0], quads[1]).map_err(refused)?;
     Ok(map.matrix().transpose().to_cols_array())
 }

@@ -1,11 +1,26 @@
 """Arguments that no function can work with: each is a ValueError that names it."""
 
+import ast
+import inspect
+import pathlib
+
 import numpy as np
 import pytest
 from conftest import icosphere
 
 import texmap
 import texmap.dr as dr
+
+
+def test_the_stubs_have_the_names_of_the_kernels():
+    stubs = ast.parse((pathlib.Path(texmap.__file__).parent / "_texmap.pyi").read_text())
+    checked = 0
+    for function in [node for node in stubs.body if isinstance(node, ast.FunctionDef)]:
+        names = [argument.arg for argument in function.args.args]
+        found = list(inspect.signature(getattr(texmap._texmap, function.name)).parameters)
+        assert found == names, function.name
+        checked += 1
+    assert checked > 20
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1025, 2**70])
