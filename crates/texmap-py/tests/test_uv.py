@@ -65,6 +65,19 @@ def test_uv_raster_places_points_where_uv_says(rng):
     assert (wide["face"] == 0xFFFFFFFF).sum() < free.sum() and {1, 2, 3} <= set(np.unique(wide["coverage"]))
 
 
+def test_a_whole_mesh_is_read_from_its_own_origin(rng):
+    points = rng.normal(size=(3, 3)).astype(np.float32)
+    faces, uv = [[0, 1, 2]], np.array([[0.1, 0.1], [0.9, 0.2], [0.3, 0.8]], np.float32)
+    low = texmap.Mesh(points, faces, uv)
+    high = texmap.Mesh(points, faces, uv * [1, -1] + [0, 1], uv_origin="top-left")
+    drawn = [texmap.uv_raster(mesh, size=32)["face"] for mesh in (low, high)]
+    assert np.array_equal(*drawn) and not np.array_equal(drawn[0], drawn[0][::-1])
+    assert np.array_equal(texmap.uv_raster(high, size=32, origin="bottom-left")["face"], drawn[0][::-1])
+    assert np.array_equal(texmap.uv_raster(high.uv, faces, 32)["face"], drawn[0][::-1])
+    flipped = [texmap.uv_report(mesh, views=False)["flipped"] for mesh in (low, high)]
+    assert flipped == [0, 0] and texmap.uv_report(high, views=False, origin="bottom-left")["flipped"] == 1
+
+
 def test_uv_raster_names_lost_faces():
     uv = np.array([[0.1, 0.1], [0.9, 0.1], [0.5, 0.9], [0.001, 0.001], [0.002, 0.001], [0.001, 0.002]], np.float32)
     faces = [[0, 1, 2], [3, 4, 5]]

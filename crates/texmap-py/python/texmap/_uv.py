@@ -62,10 +62,12 @@ def unwrap(
     """Unwraps a mesh into islands in one atlas: without overlaps, inside of 0 to 1, the same bytes on any number of threads.
 
     vertices (n, 3), faces (m, 3), or one mesh. size : texels a side of the atlas, gutter : empty texels between islands. seams : pairs
-    of vertices whose edge is cut. seam_angle : cut edges whose faces differ by more degrees. Ctrl-C ends the work. Raises ValueError.
+    of vertices whose edge is cut. seam_angle : cut edges whose faces differ by more degrees. origin : the row at v = 0 of the new
+    coordinates, whatever a mesh had before. Ctrl-C ends the work. Raises ValueError.
     """
     if faces is None:
-        vertices, faces, _ = _parts(vertices)
+        mesh = _parts(vertices)
+        vertices, faces = mesh.vertices, mesh.faces
     points, triangles = _surface(vertices, faces)
     pairs = np.asarray(seams, np.int64).reshape(-1, 2).tolist()
     angle = None if seam_angle is None else float(np.radians(seam_angle))
@@ -90,10 +92,11 @@ def uv_map(
     """Maps a mesh by a shape around it: plane, cylinder, cone, sphere or box.
 
     by : vector that the shape maps: position, normal, centroid, reflection (then ``eye`` counts). repeat : pictures on each part.
-    fix_seams : unwrap faces across the seam of a round shape. Raises ValueError.
+    fix_seams : unwrap faces across the seam of a round shape. origin : the row at v = 0 of the new coordinates. Raises ValueError.
     """
     if faces is None:
-        vertices, faces, _ = _parts(vertices)
+        mesh = _parts(vertices)
+        vertices, faces = mesh.vertices, mesh.faces
     points, triangles = _surface(vertices, faces)
     flat = None if normals is None else shaped(normals, np.float32, "normals", len(points), 3).reshape(-1)
     found, _ = _texmap.uv_map(
@@ -112,19 +115,28 @@ def uv_map(
 
 
 def uv_report(
-    vertices: Any, faces: Any = None, uv: Any = None, *, texture_size: int = 1024, views: bool = True, origin: str = "bottom-left"
+    vertices: Any,
+    faces: Any = None,
+    uv: Any = None,
+    *,
+    texture_size: int = 1024,
+    views: bool = True,
+    origin: Optional[str] = None,
 ) -> UvReport:
     """Figures that say how good the coordinates of a mesh are: stretch, distortion, overlaps, seams, texel density.
 
     vertices (n, 3), faces (m, 3), uv (n, 2), or one mesh that has uv. texture_size : texels a side, for the density. views : look for
-    the seams from 14 sides. Raises ValueError.
+    the seams from 14 sides. origin : the row at v = 0, bottom-left or top-left; default: that of the mesh (``uv_origin``), bottom-left
+    for arrays. Raises ValueError.
     """
     if faces is None:
-        vertices, faces, uv = _parts(vertices, need_uv=True)
+        mesh = _parts(vertices, need_uv=True)
+        vertices, faces, uv = mesh.vertices, mesh.faces, mesh.uv
+        origin = mesh.uv_origin if origin is None else origin
     points, triangles = _surface(vertices, faces)
     flat = shaped(uv, np.float32, "uv", len(points), 2)
     figures, each = _texmap.uv_report(
-        points.reshape(-1), triangles.reshape(-1), flat.reshape(-1), texture_size, views, bottom_up(origin)
+        points.reshape(-1), triangles.reshape(-1), flat.reshape(-1), texture_size, views, bottom_up("bottom-left" if origin is None else origin)
     )
     report = UvReport(figures)
     report.triangles = each
@@ -151,23 +163,24 @@ def uv_raster(
     normals: Any = None,
     conservative: bool = False,
     gutter: int = 0,
-    origin: str = "bottom-left",
+    origin: Optional[str] = None,
     threads: Optional[int] = None,
 ) -> Dict[str, np.ndarray]:
     """Draws a mesh into its texture space, for bakes and transfers.
 
     uv (n, 2), faces (m, 3), or one mesh that has uv (its vertices are the positions then). size : texels, one number or (width, height).
     positions, normals (n, 3): interpolated too. conservative : also texels that a face only touches. gutter : texels by which islands are
-    dilated.
+    dilated. origin : the row at v = 0; default: that of the mesh (``uv_origin``), bottom-left for arrays.
 
     Returns arrays by name, rows from the top (v = 1 is row 0 with a bottom-left origin): face (h, w) uint32, 2^32 - 1 where there is
     none; barycentric (h, w, 3); coverage (h, w) uint8: 0 free, 1 centre covered, 2 touched, 3 gutter; position and normal (h, w, 3) where
     given; lost: faces that own no texel. The first of overlapping faces wins. Raises ValueError.
     """
     if faces is None:
-        points, faces, found = _parts(uv, need_uv=True)
-        positions = points if positions is None else positions
-        uv = found
+        mesh = _parts(uv, need_uv=True)
+        uv, faces = mesh.uv, mesh.faces
+        positions = mesh.vertices if positions is None else positions
+        origin = mesh.uv_origin if origin is None else origin
     flat = shaped(uv, np.float32, "uv", None, 2)
     triangles = shaped(faces, np.uint32, "faces", None, 3)
 
@@ -183,7 +196,7 @@ def uv_raster(
         (width, height),
         conservative,
         gutter,
-        bottom_up(origin),
+        bottom_up("bottom-left" if origin is None else origin),
         threads,
     )
     shapes = {"face": (height, width), "coverage": (height, width)}
@@ -192,11 +205,11 @@ def uv_raster(
     }
 
 
-def _parts(mesh: Any, need_uv: bool = False) -> Tuple[Any, Any, Any]:
+def _parts(mesh: Any, need_uv: bool = False) -> Mesh:
     meshes = _mesh_of(mesh)
     if len(meshes) != 1:
         raise ValueError(f"expected one mesh, got {len(meshes)}")
     found: Mesh = meshes[0]
     if need_uv and found.uv is None:
         raise ValueError("the mesh has no texture coordinates: texmap.unwrap makes some")
-    return found.vertices, found.faces, found.uv
+    return found
