@@ -72,6 +72,26 @@ def is_pil(image: Any) -> bool:
     return any(base.__module__.startswith("PIL.") for base in type(image).__mro__)
 
 
+def _of_pil(image: Any, name: str) -> np.ndarray:
+    """The texels of a PIL image in the depth that its mode has."""
+    if image.mode.startswith("I;16"):
+        return np.asarray(image).astype(np.uint16)
+    if image.mode == "F":
+        return np.asarray(image).astype(np.float32)
+    if image.mode == "I":
+        # Pillow gives 16-bit PNG this mode, which has no scale of its own.
+        found = np.asarray(image)
+        if found.size and not 0 <= found.min() <= found.max() <= 65535:
+            raise ValueError(f"{name}: a PIL image of mode I holds {found.min()} to {found.max()}; expected 16-bit codes, or give an array")
+        return found.astype(np.uint16)
+    keyed = "transparency" in image.info
+    if keyed or image.mode not in ("L", "LA", "RGB", "RGBA"):
+        # RGBa and La are premultiplied, which the conversion divides out.
+        other = {"La": "LA", "RGBa": "RGBA", "PA": "RGBA"}.get(image.mode, "RGBA" if keyed else "RGB")
+        image = image.convert(other)
+    return np.asarray(image)
+
+
 def pixels(image: ImageLike, name: str = "image") -> Tuple[np.ndarray, bool]:
     """The texels of an image as (height, width, channels) of uint8, uint16 or float32, and True if they came from a file or PIL.
 
@@ -83,9 +103,7 @@ def pixels(image: ImageLike, name: str = "image") -> Tuple[np.ndarray, bool]:
         # The file's own number of channels; the reader gives four.
         return (np.ascontiguousarray(texels[..., :3]) if channels in (1, 3) else texels), True
     if is_pil(image):
-        if image.mode not in ("L", "LA", "RGB", "RGBA"):
-            image = image.convert("RGBA" if "transparency" in image.info or image.mode == "PA" else "RGB")
-        found = np.asarray(image)
+        found = _of_pil(image, name)
         return np.ascontiguousarray(found.reshape(found.shape[0], found.shape[1], -1)), True
     if hasattr(image, "detach"):
         image = image.detach().cpu().numpy()
