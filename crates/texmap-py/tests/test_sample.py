@@ -189,3 +189,19 @@ def test_a_bake_is_lambert(rng):
     assert shaded.min() < 0.01 and shaded.max() == pytest.approx(0.5, abs=1e-5)
     with pytest.raises(ValueError, match="choose from floor"):
         texmap.bake(scene, "roof")
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_more_than_four_channels_are_data(rng, kind):
+    image = rng.integers(0, 200, (4, 4, 5)).astype(kind)
+    with pytest.raises(ValueError, match="color='srgb': .*5 channels"):
+        texmap.Texture(image, color="srgb")
+    scale = 1 if kind == np.float32 else np.iinfo(kind).max
+    for made in (texmap.Texture(image), texmap.Texture(image, color="linear", alpha="straight")):
+        assert np.abs(made.level(0)[::-1] - image / scale).max() < 1e-5
+
+
+@pytest.mark.parametrize("channels", [3, 4, 5])
+def test_words_for_alpha_are_checked(channels):
+    with pytest.raises(ValueError, match="alpha='strait': know straight, premultiplied, data"):
+        texmap.Texture(np.zeros((4, 4, channels), np.float32), alpha="strait")

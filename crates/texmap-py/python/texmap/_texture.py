@@ -18,7 +18,8 @@ class Texture:
     ----------
     image : array (height, width[, channels]) of uint8, uint16 or float32, rows top to bottom; a PIL image; or a path.
         Whole numbers stand for 0 to 1. Floats must be finite.
-    color : ``"srgb"`` (decoded before filtering) or ``"linear"``. Default: sRGB for images of whole numbers, linear for floats.
+    color : ``"srgb"`` (decoded before filtering; at most 4 channels) or ``"linear"``. Default: sRGB for images of whole numbers, linear for
+        floats and for more than 4 channels.
     alpha : meaning of the last of 2 or 4 channels: ``"straight"``, ``"premultiplied"`` or ``"data"`` (just another number). Default:
         straight for files, PIL images and four channels of whole numbers, else data. More than 4 channels are always data.
     origin : the row at v = 0: ``"bottom-left"`` (OBJ, Blender, trimesh) or ``"top-left"`` (glTF).
@@ -39,11 +40,13 @@ class Texture:
         texels, from_file = pixels(image)
         height, width, channels = texels.shape
         whole = texels.dtype != np.float32
+        if alpha not in (None, "straight", "premultiplied", "data"):
+            raise ValueError(f"alpha={alpha!r}: know straight, premultiplied, data")
         if color is None:
-            color = "srgb" if whole else "linear"
+            color = "srgb" if whole and channels <= 4 else "linear"
         if channels > 4:
-            if color == "srgb" and whole:
-                color = "linear"
+            if color == "srgb":
+                raise ValueError(f"color='srgb': an image of {channels} channels is data; leave color out, or give at most 4 channels")
             alpha = "data"
         if alpha is None:
             if from_file and not whole:
