@@ -389,6 +389,20 @@ def test_trimesh_and_open3d_shapes_are_accepted():
     assert whole.hash == parts.hash and (whole.rgba[24, 32] != whole.rgba[0, 0]).any()
 
 
+def test_colours_of_trimesh_materials_are_linear_or_srgb_as_trimesh_has_them():
+    trimesh = pytest.importorskip("trimesh")
+    points, faces = icosphere(0)
+    materials = trimesh.visual.material
+
+    def color(material):
+        visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(points), 2)), material=material)
+        return texmap._meshes._mesh_of(trimesh.Trimesh(points, faces, visual=visual, process=False))[0].material.color
+
+    factor = [102, 51, 26, 255]
+    assert np.allclose(color(materials.PBRMaterial(baseColorFactor=factor)), np.array(factor[:3]) / 255)
+    assert np.allclose(color(materials.SimpleMaterial(diffuse=factor)), [0.1329, 0.0331, 0.0103], atol=1e-3)
+
+
 def test_textured_trimesh_shows_its_image():
     trimesh = pytest.importorskip("trimesh")
     image_module = pytest.importorskip("PIL.Image")

@@ -89,16 +89,17 @@ def _of_trimesh(mesh: Any) -> Mesh:
     image = None
     for name in ("baseColorTexture", "image"):
         image = image if image is not None else getattr(material, name, None)
-    color = getattr(material, "baseColorFactor", None)
-    if color is None:
-        color = getattr(material, "diffuse", None) if image is None else None
+    # The factor of a PBR material is linear as in glTF, the colour of a simple one is sRGB.
+    color, decoded = getattr(material, "baseColorFactor", None), True
+    if color is None and image is None:
+        color, decoded = getattr(material, "diffuse", None), False
     made = Material(texture=image if uv is not None else None)
     if image is not None and uv is not None:
         made.color = (1.0, 1.0, 1.0)
     if color is not None:
         rgb = np.asarray(color, np.float64).reshape(-1)[:3]
         rgb = rgb / 255.0 if np.asarray(color).dtype.kind in "iu" else rgb
-        made.color = tuple(float(c) for c in _linear(rgb)) if image is None else tuple(map(float, rgb))
+        made.color = tuple(float(c) for c in (rgb if decoded else _linear(rgb)))
     for name, key in (("metallicFactor", "metallic"), ("roughnessFactor", "roughness")):
         value = getattr(material, name, None)
         if value is not None:
