@@ -10,7 +10,8 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def batch(items: Union[Path, Iterable[Path]], output: Path, verb: str = "render", **settings: Any) -> List[Dict[str, Any]]:
-    """Runs a verb of the program over many items, on all cores, and returns a report of each unit, in their order.
+    """Runs a verb of the program over many items, on all cores, and returns a report of each unit: in the order of ``items``, those of
+    lists and manifests last, in that of their ids.
 
     ``items`` are files, ``@list.txt`` or manifests; ``output`` is a folder or a name with ``{model}``, ``{dir}`` or ``{id}``. ``settings``
     are the flags of ``texmap batch`` and of the verb, with underscores for dashes: ``resolution="512x512", jobs=2, resume=True``;
@@ -34,4 +35,6 @@ def batch(items: Union[Path, Iterable[Path]], output: Path, verb: str = "render"
     units = [unit for unit in map(json.loads, lines) if "id" in unit and "status" in unit]
     if not units:
         raise ValueError(done.stderr.strip() or f"the batch ended with exit code {done.returncode}")
-    return sorted(units, key=lambda unit: unit["index"])
+    # The program counts units in the order of their ids.
+    order = {os.fspath(item): k for k, item in enumerate(several)}
+    return sorted(units, key=lambda unit: (order.get(unit["input"], len(order)), unit["index"]))
