@@ -141,7 +141,7 @@ def bottom_up(origin: str) -> bool:
 
 def size_of(size: Union[int, Sequence[int]], name: str = "size") -> Tuple[int, int]:
     """(width, height) from both or from one number for a square."""
-    pair = (size, size) if isinstance(size, (int, np.integer)) else tuple(size)
+    pair = (size, size) if isinstance(size, (int, float, np.number)) else tuple(size)
     if len(pair) != 2 or not all(isinstance(n, (int, np.integer)) and 1 <= n <= 16384 for n in pair):
         raise ValueError(f"{name}={size!r}: expected (width, height), 1 to 16384 each")
     return int(pair[0]), int(pair[1])

@@ -8,6 +8,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _texmap
+from ._arrays import whole
 from ._meshes import light_of
 from ._scene import _as_scene
 
@@ -25,12 +26,15 @@ def bake(
     """Bakes the direct light that reaches a mesh, with shadows, onto its light-map coordinates (its uv without a second set).
 
     mesh : number or name. size : texels a side. gutter : texels by which islands are dilated. shadow_size : texels a side of each shadow
-    map, 0 for no shadows; shadow_taps : comparisons a side of its filter, odd.
+    map, 0 for no shadows; shadow_taps : comparisons a side of its filter, odd, 1 to 15.
 
     Returns (size, size, 3) float32, linear light of a white matte surface, rows top to bottom, as ``texmap bake --light``. Lights of the
     scene count; light from all around does not. Raises ValueError.
     """
     scene = _as_scene(scene)
+    size, gutter, shadow_size = whole(size, "size", 1), whole(gutter, "gutter"), whole(shadow_size, "shadow_size")
+    if whole(shadow_taps, "shadow_taps", 1, 15) % 2 == 0:
+        raise ValueError(f"shadow_taps={shadow_taps}: expected an odd number from 1 to 15")
     texels, _ = _texmap.bake(scene._inner, scene._index(mesh), size, gutter, shadow_size, shadow_taps, threads)
     return texels.reshape(size, size, 3)
 
@@ -65,5 +69,5 @@ def env(
         aspect = 2 if to == "lat-long" else 1
         wanted = texels if blur is None else 6 * int(np.ceil(np.clip(10.0 * np.sqrt(blur), 8.0, 256.0))) ** 2
         size = max(1, math.isqrt(wanted // (faces * aspect)))
-    w, h, faces, flat = _texmap.env(light.reshape(-1), width, layout, to, size, blur, threads)
+    w, h, faces, flat = _texmap.env(light.reshape(-1), width, layout, to, whole(size, "size", 1), blur, threads)
     return flat.reshape(faces, h, w, 3) if faces > 1 else flat.reshape(h, w, 3)

@@ -10,7 +10,7 @@ from typing import Any, List, Optional, Sequence, Union
 import numpy as np
 
 from . import _texmap
-from ._arrays import output, size_of
+from ._arrays import output, size_of, whole
 from ._cameras import Camera, Poses, _camera
 from ._meshes import light_of
 from ._picture import png_bytes, write_png
@@ -152,6 +152,8 @@ def render(
         raise ValueError(f"camera: expected texmap.Camera, texmap.Poses or the name of a view, got {type(camera).__name__}")
     if samples is not None and supersample is not None:
         raise ValueError("give samples or supersample, not both")
+    samples = None if samples is None else whole(samples, "samples", 1)
+    supersample = None if supersample is None else whole(supersample, "supersample", 1)
     lead = (count,) if batch else ()
     rgba = output(out, lead + (height, width, 4), np.uint8)
     frame = Frame(rgba=rgba)

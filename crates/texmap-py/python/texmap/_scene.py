@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence,
 import numpy as np
 
 from . import _texmap
-from ._arrays import bottom_up, shaped
+from ._arrays import bottom_up, shaped, whole
 from ._cameras import Camera, _camera, _vector
 from ._meshes import Material, Mesh, _mesh_of
 from ._texture import Texture
@@ -172,7 +172,7 @@ class Scene:
             if len(found) != 1:
                 raise ValueError(f"mesh {which!r}: {'no' if not found else len(found)} of this name; choose from {', '.join(names)}")
             return found[0]
-        if not 0 <= which < len(names):
+        if not 0 <= whole(which, "mesh") < len(names):
             raise ValueError(f"mesh {which}: there are {len(names)}")
         return int(which)
 

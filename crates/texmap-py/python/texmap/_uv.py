@@ -7,7 +7,7 @@ from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _texmap
-from ._arrays import bottom_up, shaped, size_of
+from ._arrays import bottom_up, shaped, size_of, whole
 from ._meshes import Mesh, _mesh_of
 
 
@@ -69,7 +69,9 @@ def unwrap(
         mesh = _parts(vertices)
         vertices, faces = mesh.vertices, mesh.faces
     points, triangles = _surface(vertices, faces)
-    pairs = np.asarray(seams, np.int64).reshape(-1, 2).tolist()
+    size, gutter = whole(size, "size", 1), whole(gutter, "gutter")
+    edges = np.empty((0, 2), np.uint32) if np.size(seams) == 0 else shaped(seams, np.uint32, "seams", None, 2)
+    pairs = edges.tolist()
     angle = None if seam_angle is None else float(np.radians(seam_angle))
     return _split(
         _texmap.unwrap(points.reshape(-1), triangles.reshape(-1), size, gutter, bottom_up(origin), pairs, angle, threads)
@@ -135,6 +137,7 @@ def uv_report(
         origin = mesh.uv_origin if origin is None else origin
     points, triangles = _surface(vertices, faces)
     flat = shaped(uv, np.float32, "uv", len(points), 2)
+    texture_size = whole(texture_size, "texture_size", 1)
     figures, each = _texmap.uv_report(
         points.reshape(-1), triangles.reshape(-1), flat.reshape(-1), texture_size, views, bottom_up("bottom-left" if origin is None else origin)
     )
@@ -195,7 +198,7 @@ def uv_raster(
         optional(normals, "normals"),
         (width, height),
         conservative,
-        gutter,
+        whole(gutter, "gutter"),
         bottom_up("bottom-left" if origin is None else origin),
         threads,
     )

@@ -16,7 +16,7 @@ from typing import Any, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _texmap
-from ._arrays import array, output
+from ._arrays import array, output, whole
 
 __all__ = [
     "DepthPeeler", "RasterizeContext", "RasterizeCudaContext", "RasterizeGLContext", "antialias",
@@ -112,8 +112,8 @@ def _positions(pos: Any, tri: np.ndarray, ranges: Any) -> Tuple[np.ndarray, List
 
 
 def _resolution(resolution: Any) -> Tuple[int, int]:
-    pair = tuple(int(n) for n in resolution)
-    if len(pair) != 2 or not all(1 <= n <= 16384 for n in pair):
+    pair = tuple(whole(n, "resolution", 1, 16384) for n in resolution)
+    if len(pair) != 2:
         raise ValueError(f"resolution={resolution!r}: expected (height, width), 1 to 16384 each")
     return pair
 
@@ -285,8 +285,8 @@ def interpolate(
             raise ValueError(f"diff_attrs={diff_attrs!r}: expected None, 'all' or a list of numbers")
         chosen = list(range(channels))
     else:
-        chosen = [int(c) for c in diff_attrs]
-        if any(not 0 <= c < channels for c in chosen):
+        chosen = [whole(c, "diff_attrs") for c in diff_attrs]
+        if any(c >= channels for c in chosen):
             raise ValueError(f"diff_attrs={chosen}: there are {channels} attributes")
     db = None
     if chosen:
