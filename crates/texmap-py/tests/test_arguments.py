@@ -62,6 +62,26 @@ def test_the_filter_of_shadows_has_an_odd_side(taps):
     assert texmap.bake(scene, size=8, shadow_taps=15).shape == (8, 8, 3)
 
 
+def test_outputs_that_are_inputs_are_refused():
+    both = np.zeros((1, 4, 4, 4), np.float32)
+    tri = [[0, 1, 2]]
+    pos = np.zeros((1, 16, 4), np.float32)
+    other = np.zeros_like(both)
+    for call, name in [
+        (lambda: texmap.sample(np.zeros((2, 2, 2), np.float32), both.reshape(-1, 2), out=both.reshape(-1, 2)), "uv"),
+        (lambda: texmap.sample(np.zeros((2, 2, 4), np.float32), other[..., :2], both, out=both), "duv"),
+        (lambda: dr.rasterize(None, pos, tri, (4, 4), out=(pos.reshape(1, 4, 4, 4), other)), "pos"),
+        (lambda: dr.rasterize(None, pos, tri, (4, 4), out=(both, both)), r"out\[0\]"),
+        (lambda: dr.interpolate(np.zeros((3, 4)), both, tri, out=both), "rast"),
+        (lambda: dr.texture(np.zeros((1, 4, 4, 4)), other[..., :2], both, out=both), "uv_da"),
+        (lambda: dr.antialias(both, other, pos, tri, out=both), "color"),
+    ]:
+        with pytest.raises(ValueError, match=f"out.*: shares memory with {name},"):
+            call()
+    sampled = texmap.sample(np.ones((2, 2, 4), np.float32), both[..., :2].copy(), out=both)
+    assert sampled is both and (both == 1).all()
+
+
 @pytest.mark.parametrize("threads", [0, -1, 1025, 2**70])
 def test_numbers_of_threads_are_checked_for_work_of_any_size(threads):
     points, faces = icosphere(1)

@@ -52,8 +52,10 @@ def shaped(values: Any, dtype: Any, name: str, *shape: Optional[int]) -> np.ndar
     return found
 
 
-def output(out: Optional[np.ndarray], shape: Sequence[int], dtype: Any, name: str = "out") -> np.ndarray:
-    """A new array, or ``out`` if it is one of this shape and type that can be written in place."""
+def output(
+    out: Optional[np.ndarray], shape: Sequence[int], dtype: Any, name: str = "out", **inputs: Optional[np.ndarray]
+) -> np.ndarray:
+    """A new array, or ``out`` if it is one of this shape and type that can be written in place and shares no memory with ``inputs``."""
     if out is None:
         return np.empty(shape, dtype)
     if hasattr(out, "numpy") and not isinstance(out, np.ndarray):
@@ -64,6 +66,9 @@ def output(out: Optional[np.ndarray], shape: Sequence[int], dtype: Any, name: st
         raise ValueError(f"{name}: expected shape {tuple(shape)} of {np.dtype(dtype)}, got {out.shape} of {out.dtype}")
     if not (out.flags.c_contiguous and out.flags.writeable):
         raise ValueError(f"{name}: must be C-contiguous and writable")
+    for other, given in inputs.items():
+        if given is not None and np.may_share_memory(out, given):
+            raise ValueError(f"{name}: shares memory with {other}, which is read meanwhile; give another array")
     return out
 
 

@@ -152,7 +152,7 @@ def sample(
             raise ValueError(f"duv: expected shape {lead + (2, 2)} or {lead + (4,)}, got {duv.shape}")
         duv = duv.reshape(-1)
     channels = texture.shape[2]
-    out = output(out, lead + (channels,), np.float32)
+    out = output(out, lead + (channels,), np.float32, uv=uv, duv=duv)
     wraps = (wrap, wrap) if isinstance(wrap, str) else tuple(wrap)
     _texmap.sample(
         texture._inner,

@@ -169,8 +169,9 @@ def _rasterize(
     height, width = _resolution(resolution)
     shape = (len(pictures), height, width, 4)
     rast_out, db_out = out if out is not None else (None, None)
-    rast = output(rast_out, shape, np.float32, "out[0]")
-    db = output(db_out, shape, np.float32, "out[1]") if grad_db else np.empty(shape[:3] + (0,), np.float32)
+    rast = output(rast_out, shape, np.float32, "out[0]", pos=positions, tri=triangles)
+    others = {"pos": positions, "tri": triangles, "out[0]": rast}
+    db = output(db_out, shape, np.float32, "out[1]", **others) if grad_db else np.empty(shape[:3] + (0,), np.float32)
     flat_layer = None if layer is None else (layer[0].reshape(-1), layer[1].reshape(-1))
     _texmap.rasterize(
         positions.reshape(-1),
@@ -295,13 +296,14 @@ def interpolate(
         db = _rast(rast_db, "rast_db")
         if db.shape != pixels.shape:
             raise ValueError(f"rast_db: expected shape {pixels.shape}, got {db.shape}")
-    found = output(out, (batch, height, width, channels), np.float32)
+    triangles = _triangles(tri)
+    found = output(out, (batch, height, width, channels), np.float32, attr=values, rast=pixels, tri=triangles, rast_db=db)
     da = np.empty((batch, height, width, 2 * len(chosen)), np.float32)
     _texmap.interpolate(
         values.reshape(-1),
         (values.shape[1], channels),
         pixels.reshape(-1),
-        _triangles(tri).reshape(-1),
+        triangles.reshape(-1),
         None if db is None else db.reshape(-1),
         chosen,
         found.reshape(-1),
@@ -425,7 +427,7 @@ def texture(
         last = _last_level(texels.shape[-3], texels.shape[-2], max_mip_level)
     made = mip._textures if mips and mip is not None else _make_textures(texels, cube, mips)
     channels = texels.shape[-1]
-    found = output(out, places.shape[:3] + (channels,), np.float32)
+    found = output(out, places.shape[:3] + (channels,), np.float32, uv=places, uv_da=da, mip_level_bias=bias)
     for k in range(batch):
         one = made[k if len(made) > 1 else 0]
         own = (None if da is None else da[k].reshape(-1), None if bias is None else bias[k].reshape(-1))
@@ -499,7 +501,7 @@ def antialias(
         pictures = [(k * count, count, 0, len(triangles)) for k in range(batch)]
     else:
         raise ValueError(f"pos: expected shape ({batch}, V, 4) or (V, 4), got {positions.shape}")
-    found = output(out, colors.shape, np.float32)
+    found = output(out, colors.shape, np.float32, color=colors, rast=pixels, pos=positions, tri=triangles)
     _texmap.antialias(
         colors.reshape(-1),
         pixels.reshape(-1),
