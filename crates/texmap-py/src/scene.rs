@@ -350,6 +350,14 @@ impl Scene {
         })
     }
 
+    /// Samples of the light from all around that cast shadows.
+    fn set_environment_shadows(&self, samples: u32) -> PyResult<()> {
+        self.edit(|this| {
+            this.scene.effects.environment_shadows = samples;
+            Ok(())
+        })
+    }
+
     fn set_background(&self, color: [f32; 4]) -> PyResult<()> {
         self.edit(|this| {
             this.scene.background = color;

@@ -91,6 +91,7 @@ def render(
     supersample: Optional[int] = None,
     env: Any = None,
     env_rotate: float = 0.0,
+    env_shadows: int = 0,
     exposure: float = 1.0,
     tone_map: Optional[str] = None,
     background: Any = None,
@@ -112,6 +113,7 @@ def render(
     samples : samples of coverage per pixel, 1 or 4; default: 4 for models, 1 for .scene files. supersample : n x n samples instead.
     env : light from all around: a lat-long picture (path or array (h, 2h, 3), floats are linear light), or ``"none"``: then the lights of
         the scene alone, and automatic ones where surfaces would be dark, unless ``Scene`` was given ``lights``. env_rotate in degrees;
+        env_shadows: directions, up to 256, from which that light casts shadows and darkens corners (64 are smooth);
         exposure is a factor; tone_map: pbr-neutral, aces, agx, none.
     background : colour in sRGB, 0 to 1, or ``"env"`` to show ``env`` behind the scene.
     aovs : names of arrays beside the picture: depth (1 near to 0 far), inv_w, uv, lod, face, mesh, normal, position, color (linear light,
@@ -135,9 +137,14 @@ def render(
         scene = _with_environment(scene, env, env_rotate, exposure, tone_map, behind)
     elif tone_map is not None or exposure != 1.0 or env_rotate != 0.0:
         raise ValueError("exposure, tone_map and env_rotate go with env=")
+    env_shadows = whole(env_shadows, "env_shadows", 0)
+    if env_shadows > 256:
+        raise ValueError(f"env_shadows: expected 0 to 256 directions, got {env_shadows}")
+    if env is None and (env_shadows or (background is not None and not behind)):
+        scene = Scene(_inner=scene._inner.copied())
+    if env_shadows:
+        scene._inner.set_environment_shadows(env_shadows)
     if background is not None and not behind:
-        if env is None:
-            scene = Scene(_inner=scene._inner.copied())
         scene._inner.set_background(_color(background))
     arguments: Any = None
     count, batch = 1, False
