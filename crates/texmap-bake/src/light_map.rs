@@ -1,5 +1,7 @@
 //! Light maps: direct light with shadows, baked onto the second uv set of a mesh.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use texmap_light::{PhongMaterial, ShadowBias, ShadowMap, SpecularModel, shade_with_visibility};
 use texmap_math::MemoryBudget;
 use texmap_math::glam::DVec3;
@@ -13,6 +15,9 @@ use texmap_math::color::luminance;
 
 use texmap_render::RenderError;
 use texmap_scene::Scene;
+
+/// A shadow map with the index of its light, its bias and the PCF comparisons a side.
+type LightShadow = (usize, ShadowMap, ShadowBias, u32);
 
 /// Options of a baked light map.
 #[derive(Clone, Debug)]
@@ -142,15 +147,17 @@ impl<'s> Baker<'s> {
             ks: 0.0,
             ns: 1.0,
         };
-        let counts = |light: usize| options.lights.is_none_or(|all| all.contains(&light));
-        let lights: Vec<_> = scene
+        let wanted: Option<BTreeSet<usize>> =
+            options.lights.map(|all| all.iter().copied().collect());
+        let counts = |light: usize| wanted.as_ref().is_none_or(|all| all.contains(&light));
+        let (numbers, lights): (Vec<usize>, Vec<_>) = scene
             .lights
             .iter()
             .enumerate()
             .filter(|(i, _)| counts(*i))
             .map(|(i, light)| (i, *light))
-            .collect();
-        let (numbers, lights): (Vec<usize>, Vec<_>) = lights.into_iter().unzip();
+            .unzip();
+        let shadows = by_light(options.shadows, &numbers);
         let eye = scene.camera.eye.to_array().map(|c| c as f32);
         let width = options.size as usize;
         let size = options.size;
@@ -173,10 +180,8 @@ impl<'s> Baker<'s> {
                 let (point, normal) = (atlas.position[at], atlas.normal[at]);
                 let plane = flat[atlas.face[at] as usize];
                 let received = |light: usize| {
-                    let light = numbers[light];
                     let mut share = 1.0;
-                    for (_, map, bias, pcf_size) in options.shadows.iter().filter(|s| s.0 == light)
-                    {
+                    for (_, map, bias, pcf_size) in &shadows[light] {
                         let point = DVec3::from(point.map(f64::from));
                         share *= map.visibility(point, plane, *bias, *pcf_size);
                     }
@@ -207,6 +212,16 @@ impl<'s> Baker<'s> {
     }
 }
 
+/// The shadow maps of each of these lights, in the order of the list.
+fn by_light<'a>(shadows: &'a [LightShadow], lights: &[usize]) -> Vec<Vec<&'a LightShadow>> {
+    let mut of_index: BTreeMap<usize, Vec<&LightShadow>> = BTreeMap::new();
+    for shadow in shadows {
+        of_index.entry(shadow.0).or_default().push(shadow);
+    }
+    let of_light = |index| of_index.remove(index).unwrap_or_default();
+    lights.iter().map(of_light).collect()
+}
+
 /// Bakes the light that reaches a mesh, at the centre of every texel of its light-map coordinates. [`Baker`] checks a scene once for
 /// many meshes.
 ///
@@ -232,5 +247,93 @@ impl LightMap {
     #[must_use]
     pub fn luminance(&self) -> Vec<f32> {
         self.texels.iter().map(|c| luminance(*c)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, Instant};
+    use texmap_light::{Light, ShadowKind};
+    use texmap_math::Camera;
+    use texmap_math::glam::DMat4;
+    use texmap_scene::{Material, Mesh};
+
+    /// A floor under many equal lights from above.
+    fn floor(lights: usize) -> Scene {
+        let camera = Camera {
+            eye: DVec3::new(0.0, 2.0, 2.0),
+            look: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_x: 1.0,
+            near: 1e-4,
+            far: f64::INFINITY,
+            lens: Default::default(),
+        };
+        let light = Light::Directional {
+            color: [1.0 / lights as f32; 3],
+            direction: [0.0, -1.0, 0.0],
+        };
+        Scene {
+            lights: vec![light; lights],
+            materials: vec![Material::default()],
+            meshes: vec![Mesh::quad([
+                [-1.0, 0.0, -1.0],
+                [1.0, 0.0, -1.0],
+                [1.0, 0.0, 1.0],
+                [-1.0, 0.0, 1.0],
+            ])],
+            ..Scene::new(camera)
+        }
+    }
+
+    /// A map of one texel for a light, in which all is in shadow or all is lit.
+    fn shadow(light: usize, dark: bool) -> LightShadow {
+        let kind = ShadowKind::Directional {
+            light_from_world: DMat4::from_rotation_x(std::f64::consts::FRAC_PI_2),
+            half: 4.0,
+        };
+        let depth = if dark { -8.0 } else { 8.0 };
+        let map = ShadowMap::new(kind, 1, vec![depth]).unwrap();
+        (light, map, ShadowBias::Constant(0.01), 1)
+    }
+
+    fn options<'a>(shadows: &'a [LightShadow], lights: Option<&'a [usize]>) -> BakeOptions<'a> {
+        BakeOptions {
+            size: 4,
+            gutter: 0,
+            shadows,
+            lights,
+        }
+    }
+
+    #[test]
+    fn every_light_has_its_own_shadows() {
+        let scene = floor(4);
+        // Out of order, two for light 3, and one for a light that is left out.
+        let shadows = [(3, false), (1, true), (3, true), (0, false)];
+        let shadows = shadows.map(|(light, dark)| shadow(light, dark));
+        let light = |lights| bake(&scene, 0, &options(&shadows, lights)).unwrap().texels[5][0];
+        assert_eq!(light(None), 0.5);
+        assert_eq!(light(Some(&[2, 3])), 0.25);
+        assert_eq!(light(Some(&[1, 3])), 0.0);
+    }
+
+    /// Eight times the lights take about eight times as long; by a search for each light it were sixty times.
+    #[test]
+    fn time_grows_with_the_number_of_shadowed_lights() {
+        let time = |count: usize| -> Duration {
+            let scene = floor(count);
+            let baker = Baker::new(&scene).unwrap();
+            let shadows: Vec<_> = (0..count).map(|light| shadow(light, false)).collect();
+            let once = |_| {
+                let begin = Instant::now();
+                baker.bake(0, &options(&shadows, None)).unwrap();
+                begin.elapsed()
+            };
+            (0..4).map(once).min().unwrap()
+        };
+        let (few, many) = (time(500), time(4000));
+        assert!(many < few * 24, "{few:?} for 500, {many:?} for 4000");
     }
 }
