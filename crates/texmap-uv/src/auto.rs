@@ -2,7 +2,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use texmap_math::glam::DVec3;
+use texmap_math::glam::{DVec2, DVec3};
 
 use crate::islands::Islands;
 use crate::mesh::{Mesh, unit_or_zero};
@@ -33,27 +33,41 @@ pub fn auto_planes(mesh: &Mesh<'_>, atlas: AtlasSize, origin: Origin) -> Result<
         range.map(|f| unit_or_zero(mesh.face_normal(f))).collect()
     });
     let sides = sides(mesh, &topology, &normals);
-    let corner = |k: usize| {
-        sides[topology.face[k] as usize]
-            .flat(mesh.point(k))
-            .uv(origin)
-    };
-    let values: Vec<[f64; 2]> = (0..mesh.faces().corners().len()).map(corner).collect();
-    let group = divide(mesh, &topology, &sides, &values);
-    let flat: Vec<[f32; 2]> = values.iter().map(|v| v.map(|c| c as f32)).collect();
+    let values: Vec<DVec2> = (0..mesh.faces().corners().len())
+        .map(|k| {
+            let [right, up] = sides[topology.face[k] as usize].seen(mesh.point(k));
+            match origin {
+                Origin::TopLeft => DVec2::new(right, -up),
+                Origin::BottomLeft => DVec2::new(right, up),
+            }
+        })
+        .collect();
+    let islands = divide(mesh, &topology, &sides, &values);
+    let island = |k: usize| islands.of_face[topology.face[k] as usize];
+    // Floats far from zero would lose what a small island far from the origin, or a model in small units, has in digits.
+    let mut low = vec![DVec2::INFINITY; islands.count];
+    let mut most = 0.0f64;
+    for (k, value) in values.iter().enumerate() {
+        let low = &mut low[island(k) as usize];
+        *low = low.min(*value);
+        most = most.max(value.abs().max_element());
+    }
+    // Differences of the largest floats are none.
+    let unit = if most < 1e38 { 1.0 } else { 0.25 };
     // One index per position and island.
     let mut known = alloc::collections::BTreeMap::new();
     let mut set = UvSet {
         uvs: Vec::new(),
-        corners: Vec::with_capacity(flat.len()),
+        corners: Vec::with_capacity(values.len()),
     };
-    for (k, value) in flat.iter().enumerate() {
+    for (k, value) in values.iter().enumerate() {
         let key = (
-            group[topology.face[k] as usize],
+            island(k),
             topology.welded[mesh.faces().corners()[k] as usize],
         );
         set.corners.push(*known.entry(key).or_insert_with(|| {
-            set.uvs.push(*value);
+            let own = (*value - low[key.0 as usize]) * unit;
+            set.uvs.push(own.as_vec2().to_array());
             set.uvs.len() as u32 - 1
         }));
     }
@@ -99,18 +113,13 @@ fn sides(mesh: &Mesh<'_>, topology: &Topology, normals: &[DVec3]) -> Vec<ShapeFa
     sides
 }
 
-/// An island number per face: connected faces of one side that do not overlap in its plane.
-fn divide(
-    mesh: &Mesh<'_>,
-    topology: &Topology,
-    sides: &[ShapeFace],
-    values: &[[f64; 2]],
-) -> Vec<u32> {
+/// The islands: connected faces of one side that do not overlap in its plane.
+fn divide(mesh: &Mesh<'_>, topology: &Topology, sides: &[ShapeFace], values: &[DVec2]) -> Islands {
     let faces = mesh.faces().len();
     let mut layer = vec![0u32; faces];
     let mut triangles = Vec::new();
     for (index, (f, c)) in mesh.faces().triangles().enumerate() {
-        let [p, q, r] = c.map(|k| texmap_math::glam::DVec2::from(values[k]));
+        let [p, q, r] = c.map(|k| values[k]);
         let twice = (q - p).perp_dot(r - p);
         if twice != 0.0 {
             let turned = if twice > 0.0 { [p, q, r] } else { [p, r, q] };
@@ -128,9 +137,10 @@ fn divide(
         })
     };
     for round in 0..ROUNDS {
-        let found = overlap::find(&triangles, Some(&islands(&layer).of_face));
+        let present = islands(&layer);
+        let found = overlap::find(&triangles, Some(&present.of_face));
         if found.later.is_empty() && found.unfinished.is_empty() {
-            return islands(&layer).of_face;
+            return present;
         }
         if !found.unfinished.is_empty() {
             break;
@@ -141,7 +151,7 @@ fn divide(
         }
     }
     first_fit(&triangles, &islands(&layer).of_face, &mut layer);
-    islands(&layer).of_face
+    islands(&layer)
 }
 
 /// Moves each face that overlaps earlier ones of its group to the first layer where it overlaps none. Faces that cannot be
@@ -198,5 +208,44 @@ mod tests {
         );
         assert!(report.islands >= 3, "{} islands", report.islands);
         assert!(report.angle_max < 1.05, "{}", report.angle_max);
+    }
+
+    /// A grid of hills in units of other sizes, about the origin and far from it.
+    #[test]
+    fn the_unit_of_a_model_does_not_matter() {
+        let side = 24u32;
+        let mut faces = Faces::new();
+        for (x, y) in (1..side).flat_map(|y| (1..side).map(move |x| (x, y))) {
+            let k = y * side + x;
+            faces.push(&[k - side - 1, k - side, k, k - 1]);
+        }
+        let hills = |unit: f32, away: f32| -> Vec<[f32; 3]> {
+            let at = |k: u32| {
+                let (x, y) = ((k % side) as f32, (k / side) as f32);
+                let wave = texmap_math::deterministic_f64::sin_cos(f64::from(x * 0.9 + y * 0.7)).0;
+                [x + away, y - away, 2.0 * wave as f32].map(|c| c * unit)
+            };
+            (0..side * side).map(at).collect()
+        };
+        for away in [0.0, 4096.0] {
+            let of_unit = |unit: f32| {
+                let positions = hills(unit, away);
+                let mesh = Mesh::new(&positions, &faces).unwrap();
+                let set = auto_planes(&mesh, AtlasSize::default(), Origin::TopLeft).unwrap();
+                let report = report(&mesh, &set, &ReportOptions::default()).unwrap();
+                assert_eq!((report.collapsed, report.overlapping), (0, 0), "{unit}");
+                set
+            };
+            let plain = of_unit(1.0);
+            // Powers of two, so that positions are rounded alike.
+            for unit in [
+                1.0 / (1u64 << 60) as f32,
+                1.0 / 1048576.0,
+                1048576.0,
+                (1u64 << 60) as f32,
+            ] {
+                assert_eq!(of_unit(unit), plain, "unit {unit}, {away} away");
+            }
+        }
     }
 }

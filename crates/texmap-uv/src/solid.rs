@@ -184,31 +184,19 @@ impl ShapeFace {
 
     /// The point `p` of the unit cube seen through this flat part from outside: the other two components.
     pub(crate) fn flat(self, p: DVec3) -> SurfacePoint {
+        let [right, h] = self.seen(p);
+        SurfacePoint { u: 0.5 + right, h }
+    }
+
+    /// Distances of `p` to the right of the middle and above it, seen through this flat part from outside.
+    pub(crate) fn seen(self, p: DVec3) -> [f64; 2] {
         match self {
-            Self::Right => SurfacePoint {
-                u: 0.5 - p.z,
-                h: p.y,
-            },
-            Self::Left => SurfacePoint {
-                u: 0.5 + p.z,
-                h: p.y,
-            },
-            Self::Top => SurfacePoint {
-                u: 0.5 + p.x,
-                h: -p.z,
-            },
-            Self::Bottom => SurfacePoint {
-                u: 0.5 + p.x,
-                h: p.z,
-            },
-            Self::Back => SurfacePoint {
-                u: 0.5 - p.x,
-                h: p.y,
-            },
-            Self::Front | Self::Whole | Self::Side => SurfacePoint {
-                u: 0.5 + p.x,
-                h: p.y,
-            },
+            Self::Right => [-p.z, p.y],
+            Self::Left => [p.z, p.y],
+            Self::Top => [p.x, -p.z],
+            Self::Bottom => [p.x, p.z],
+            Self::Back => [-p.x, p.y],
+            Self::Front | Self::Whole | Self::Side => [p.x, p.y],
         }
     }
 
