@@ -32,6 +32,7 @@ impl Default for AtlasSize {
 
 /// Moves the islands of a set side by side into [0, 1], with one texel density for all. Every island is scaled to its area in
 /// space, then all by the same factor, as large as the atlas allows. Islands stand on whole texels and lie on their longer side.
+/// One without area, in space or in the picture, is one texel long.
 ///
 /// # Errors
 /// A set that does not fit the mesh, an atlas of zero size, more gutters than texels.
@@ -49,12 +50,10 @@ pub fn pack(mesh: &Mesh<'_>, set: &UvSet, atlas: AtlasSize) -> Result<UvSet, UvE
         (chart.low, chart.high) = (chart.low.min(p), chart.high.max(p));
     }
     for (chart, [space, picture]) in charts.iter_mut().zip(areas) {
-        // An island without area on either side keeps its size.
-        chart.scale = if space > 0.0 && picture > 0.0 {
-            float::sqrt(space / picture)
-        } else {
-            1.0
-        };
+        // Rounding of f32 coordinates leaves this much of a line.
+        let largest = chart.low.abs().max(chart.high.abs()).max_element();
+        let least = chart.longest() * largest * 1e-7;
+        chart.scale = (space > 0.0 && picture > least).then(|| float::sqrt(space / picture));
     }
     let (scale, corners) = best_scale(&charts, atlas)?;
     let texels = f64::from(atlas.size);
@@ -66,7 +65,7 @@ pub fn pack(mesh: &Mesh<'_>, set: &UvSet, atlas: AtlasSize) -> Result<UvSet, UvE
         let island = islands.of_face[topology.face[k] as usize] as usize;
         let chart = &charts[island];
         let p = chart.lying(DVec2::from(set.uvs[index as usize].map(f64::from)))
-            * (chart.scale * scale);
+            * chart.texels_per_unit(scale);
         let q = (corners[island] + p) / texels;
         set.uvs[index as usize] = [q.x as f32, q.y as f32];
     }
@@ -86,28 +85,42 @@ fn areas(mesh: &Mesh<'_>, set: &UvSet, islands: &Islands) -> Vec<[f64; 2]> {
     areas
 }
 
-/// The bounding box of an island and the factor that gives it the common density.
+/// The bounding box of an island and the factor that gives it the common density; none if it has no area.
 #[derive(Clone, Copy)]
 struct Island {
     low: DVec2,
     high: DVec2,
-    scale: f64,
+    scale: Option<f64>,
 }
 
 impl Island {
     const EMPTY: Self = Self {
         low: DVec2::INFINITY,
         high: DVec2::NEG_INFINITY,
-        scale: 1.0,
+        scale: None,
     };
 
     fn upright(&self) -> bool {
         self.high.y - self.low.y > self.high.x - self.low.x
     }
 
-    /// Width and height when it lies on its longer side.
-    fn extent(&self) -> DVec2 {
-        let e = (self.high - self.low) * self.scale;
+    fn longest(&self) -> f64 {
+        (self.high - self.low).max_element()
+    }
+
+    /// Texels for a unit of the island's own coordinates, where those of its density are scaled by a common factor.
+    fn texels_per_unit(&self, common: f64) -> f64 {
+        match (self.scale, self.longest()) {
+            (Some(scale), _) => scale * common,
+            // Such an island has no density, and what it measures is in no unit of the others.
+            (None, longest) if longest > 0.0 => 1.0 / longest,
+            (None, _) => 0.0,
+        }
+    }
+
+    /// Width and height in texels when it lies on its longer side.
+    fn extent(&self, common: f64) -> DVec2 {
+        let e = (self.high - self.low) * self.texels_per_unit(common);
         if self.upright() {
             DVec2::new(e.y, e.x)
         } else {
@@ -135,19 +148,16 @@ fn best_scale(charts: &[Island], atlas: AtlasSize) -> Result<(f64, Vec<DVec2>), 
     let inner = f64::from(atlas.size) - 2.0 * f64::from(atlas.gutter);
     let widest = charts
         .iter()
-        .map(|c| c.extent().x)
+        .filter(|c| c.scale.is_some())
+        .map(|c| c.extent(1.0).x)
         .fold(0.0, |a: f64, b| if b > a { b } else { a });
     if inner < 1.0 {
         return Err(fault);
     }
     let mut order: Vec<usize> = (0..charts.len()).collect();
-    order.sort_by(|&a, &b| {
-        charts[b]
-            .extent()
-            .y
-            .total_cmp(&charts[a].extent().y)
-            .then(a.cmp(&b))
-    });
+    // Those without area come last: a texel is no more than any other takes.
+    let height = |i: usize| charts[i].scale.map_or(-1.0, |_| charts[i].extent(1.0).y);
+    order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
     let try_at = |scale: f64| shelves(charts, &order, scale, atlas);
     let most = if widest > 0.0 { inner / widest } else { 1.0 };
     if let Some(corners) = try_at(most) {
@@ -177,7 +187,7 @@ fn shelves(charts: &[Island], order: &[usize], scale: f64, atlas: AtlasSize) -> 
     let mut corners = vec![DVec2::ZERO; charts.len()];
     let (mut x, mut y, mut shelf) = (gutter, gutter, 0.0);
     for &i in order {
-        let e = charts[i].extent() * scale;
+        let e = charts[i].extent(scale);
         let (wide, high) = (float::ceil(e.x), float::ceil(e.y));
         if x > gutter && x + wide + gutter > size {
             (x, y, shelf) = (gutter, y + shelf + gutter, 0.0);
@@ -246,6 +256,61 @@ mod tests {
             for (l, h) in &boxes[..i] {
                 let apart = (*l - *high).max(*low - *h).max_element();
                 assert!(apart > 4.999, "charts {apart} texels apart");
+            }
+        }
+    }
+
+    /// A face without area in space, one on a line of the picture and one in a point of it leave the others their atlas.
+    #[test]
+    fn islands_without_area_take_a_texel() {
+        let (positions, faces, values) = stack(5);
+        let atlas = AtlasSize {
+            size: 256,
+            gutter: 2,
+        };
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let alone = pack(&mesh, &UvSet::shared(&mesh, &values), atlas).unwrap();
+        let extents = |mesh: &Mesh<'_>, set: &UvSet, face: usize| {
+            let points = mesh.faces().range(face);
+            let points = points.map(|k| DVec2::from(set.at(k).map(f64::from)) * 256.0);
+            let (low, high) = points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| {
+                (l.min(p), h.max(p))
+            });
+            high - low
+        };
+        // In metres, and in units of a thousandth and a million of them, which uv coordinates know nothing of.
+        for unit in [1.0, 1e3, 1e-6] {
+            let (mut positions, mut faces) = (positions.clone(), faces.clone());
+            let mut values = values.clone();
+            let (flat, line) = ([0.0, 1.0, 2.0], [[0.0, 0.0], [3.0, 1.0], [0.7, 0.7 / 3.0]]);
+            let square = [[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]];
+            let corner = [[0.0, 90.0, 0.0], [1.0, 90.0, 0.0], [0.0, 91.0, 0.0]];
+            for (space, picture) in [
+                (flat.map(|x| [x, 70.0, 0.0]), square),
+                (corner, line),
+                (corner.map(|[x, y, _]| [x, y, 9.0]), [[0.5, 0.5]; 3]),
+            ] {
+                let first = positions.len() as u32;
+                positions.extend(space);
+                values.extend(picture);
+                faces.push(&[first, first + 1, first + 2]);
+            }
+            let positions: Vec<_> = positions.iter().map(|p| p.map(|c| c * unit)).collect();
+            let mesh = Mesh::new(&positions, &faces).unwrap();
+            let packed = pack(&mesh, &UvSet::shared(&mesh, &values), atlas).unwrap();
+            for face in 0..5 {
+                let ratio = extents(&mesh, &packed, face) / extents(&mesh, &alone, face);
+                assert!(
+                    ratio.min_element() > 0.95,
+                    "unit {unit}, face {face}: {ratio}"
+                );
+            }
+            for (face, size) in [(5, 1.0), (6, 1.0), (7, 0.0)] {
+                let long = extents(&mesh, &packed, face).max_element();
+                assert!(
+                    (long - size).abs() < 1e-3,
+                    "unit {unit}, face {face}: {long}"
+                );
             }
         }
     }
