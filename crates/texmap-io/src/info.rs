@@ -153,7 +153,7 @@ pub fn info_with(path: &Path, options: &LoadOptions) -> Result<FileInfo, IoError
         animations: contents.animations,
         extensions: contents.extensions,
         lights: contents.lights,
-        t_joints: t_joints.list.len(),
+        t_joints: t_joints.count,
         t_joints_at_least: t_joints.at_least,
         sphere: Bounds::of(&scene).map(|b| (b.center.to_array(), b.radius)),
         warnings: scene.warnings,

@@ -187,7 +187,7 @@ pub(crate) fn uv_report<'py>(
     all.set_item("rim_length", r.rim_length)?;
     all.set_item("non_manifold_edges", r.non_manifold_edges)?;
     all.set_item("degenerate", r.degenerate)?;
-    all.set_item("t_junctions", r.t_junctions.list.len())?;
+    all.set_item("t_junctions", r.t_junctions.count)?;
     let each = PyDict::new(py);
     let numbers = |of: &dyn Fn(&texmap_uv::TriangleReport) -> f32| {
         PyArray1::from_vec(py, r.triangles.iter().map(of).collect())

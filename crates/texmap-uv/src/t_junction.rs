@@ -24,8 +24,11 @@ pub struct TJunction {
 /// The T-junctions of a mesh, by face.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TJunctions {
-    /// The T-junctions that were found.
+    /// The T-junctions that were found; the first ones of each edge where they are more than 2^17 and more than 16 for each edge of
+    /// a single face.
     pub list: Vec<TJunction>,
+    /// Number of T-junctions that were found, in the list or not.
+    pub count: usize,
     /// So many vertices lie along so many edges that the search was broken off: there may be more.
     pub at_least: bool,
 }
@@ -61,13 +64,28 @@ pub(crate) fn find(mesh: &Mesh<'_>, topology: &Topology) -> TJunctions {
         face: topology.face[rim[i as usize]],
         edge: ends(rim[i as usize]),
     };
+    let (count, most) = (found.len(), most_listed(rim.len()));
+    // Every edge keeps its first ones: a list cut at its end would say nothing of later faces.
+    let each = if count <= most {
+        count
+    } else {
+        most / rim.len()
+    };
+    let of_edges = found.chunk_by(|(a, _), (b, _)| a == b);
+    let listed = of_edges.flat_map(|of_edge| of_edge.iter().take(each));
     TJunctions {
-        list: found.into_iter().map(joint).collect(),
+        list: listed.copied().map(joint).collect(),
+        count,
         at_least: !open.is_empty(),
     }
 }
 
-/// Steps of a search that a vertex found counts for: the list has a bound as well.
+/// Most T-junctions of a list for this many edges: vertices along one line are n^2 / 3 of them.
+fn most_listed(edges: usize) -> usize {
+    (16 * edges).max(1 << 17)
+}
+
+/// Steps of a search that a vertex found counts for: finds have a bound as well.
 const FOUND: u64 = 64;
 
 /// Vertices in the open edge; false if the meter ran out.
@@ -198,5 +216,28 @@ mod tests {
         let found = t_junctions(&mesh).list;
         assert_eq!(found.len(), n as usize - 1);
         assert!(found.iter().all(|j| j.face == 0 && j.edge == [0, 1]));
+    }
+    /// Triangles of which one edge lies along one line: the list stays short, with a part of every edge, and the count is told.
+    #[test]
+    fn vertices_along_one_line_have_a_short_list() {
+        let of_count = |count: u32| {
+            let (mut positions, mut faces) = (Vec::new(), Faces::new());
+            for i in 0..count {
+                let x = i as f32 / 1024.0;
+                positions.extend([[x, 0.0, 0.0], [32.0 - x, 0.0, 0.0], [16.0, 1.0, 64.0 * x]]);
+                faces.push(&[3 * i, 3 * i + 1, 3 * i + 2]);
+            }
+            t_junctions(&Mesh::new(&positions, &faces).unwrap())
+        };
+        // Edge i has the vertices of all edges within it.
+        let pairs = |count: usize| count * (count - 1);
+        let few = of_count(300);
+        assert_eq!((few.list.len(), few.count), (pairs(300), pairs(300)));
+        let many = of_count(1000);
+        assert!(!many.at_least);
+        assert_eq!(many.count, pairs(1000));
+        assert!(many.list.len() <= 1 << 17, "{}", many.list.len());
+        let faces = many.list.chunk_by(|a, b| a.face == b.face);
+        assert_eq!(faces.count(), 999, "the innermost has none");
     }
 }

@@ -91,7 +91,7 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
     if r.non_manifold_edges > 0 {
         row("non-manifold edges", r.non_manifold_edges.to_string());
     }
-    if !r.t_junctions.list.is_empty() {
+    if r.t_junctions.count > 0 {
         let least = if r.t_junctions.at_least {
             "at least "
         } else {
@@ -101,7 +101,7 @@ pub(super) fn text(path: &Path, r: &Report) -> String {
             "T-junctions",
             format!(
                 "{least}{} vertices inside an edge of another face",
-                r.t_junctions.list.len()
+                r.t_junctions.count
             ),
         );
     }
@@ -144,7 +144,8 @@ pub(super) fn json(path: &Path, r: &Report, around_axis: &[u32]) -> Value {
         "non_manifold_edges": r.non_manifold_edges,
         "degenerate": r.degenerate,
         "t_joints": r.t_junctions.list.iter().map(|j| json!({ "vertex": j.vertex, "face": j.face, "edge": j.edge })).collect::<Vec<_>>(),
-        "t_joints_lower_bound": r.t_junctions.at_least,
+        "t_joints_count": r.t_junctions.count,
+        "t_joints_lower_bound": r.t_junctions.at_least || r.t_junctions.count > r.t_junctions.list.len(),
         "faces_around_axis": around_axis,
     })
 }
