@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use texmap_io::{FileSource, npy};
-use texmap_math::Level;
 use texmap_math::glam::DVec3;
+use texmap_math::{Level, MemoryBudget};
 use texmap_uv::{
     AtlasSize, Mapping, Mesh, Origin, Placement, ProjectionSource, ReportOptions, SeamEdges, Shape,
     UvError, UvSet, auto_planes, cut_seams, pack, report, sew_seams, unmapped, unwrap,
@@ -174,6 +174,9 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
             Some(report(&mesh, &set, &options).map_err(|e| source.fault(&e))?)
         }
     };
+    if let Some(found) = found.as_ref().filter(|_| args.json) {
+        table::ask_for_json(found, args.per_triangle, MemoryBudget::of_process())?;
+    }
     let main = args.output.as_deref().or(args.tangents.as_deref());
     let pictures = match (&found, &args.pictures) {
         (Some(found), Some(folder)) => Some(pictures::draw(folder, &mesh, &set, found)?),
@@ -210,11 +213,7 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
             print(&table::text(&args.mesh, found))?;
         }
         if args.json {
-            let mut json = table::json(&args.mesh, found, &around);
-            if args.per_triangle {
-                json["per_triangle"] = table::per_triangle(found);
-            }
-            print_json(&json)?;
+            print_json(&table::json(&args.mesh, found, &around, args.per_triangle))?;
         }
     }
     let lost = unmapped(&mesh, &set).map_err(|e| source.fault(&e))?;

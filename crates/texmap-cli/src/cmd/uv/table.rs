@@ -3,10 +3,13 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-use texmap_uv::Report;
+use texmap_math::{MemoryBudget, OverBudget};
+use texmap_uv::{Report, TJunction, TriangleReport};
 
 use crate::digits::digits;
+use crate::observe;
 
 pub(super) fn text(path: &Path, r: &Report) -> String {
     let mut out = format!(
@@ -120,9 +123,29 @@ fn figure(x: f64) -> String {
     }
 }
 
+/// The report as JSON. Lists are written one entry at a time: as trees of values they would take ten times the memory.
+#[derive(Serialize)]
+pub(super) struct Document<'a> {
+    #[serde(flatten)]
+    figures: Value,
+    #[serde(serialize_with = "joints")]
+    t_joints: &'a [TJunction],
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "each_triangle"
+    )]
+    per_triangle: Option<&'a [TriangleReport]>,
+}
+
 /// JSON knows no infinity: such a figure is null.
-pub(super) fn json(path: &Path, r: &Report, around_axis: &[u32]) -> Value {
-    json!({
+pub(super) fn json<'a>(
+    path: &Path,
+    r: &'a Report,
+    around_axis: &[u32],
+    per_triangle: bool,
+) -> Document<'a> {
+    let joints = &r.t_junctions;
+    let figures = json!({
         "file": path.display().to_string(),
         "uv_origin": "bottom-left",
         "faces": r.faces,
@@ -143,16 +166,58 @@ pub(super) fn json(path: &Path, r: &Report, around_axis: &[u32]) -> Value {
         "rim_length": r.rim_length,
         "non_manifold_edges": r.non_manifold_edges,
         "degenerate": r.degenerate,
-        "t_joints": r.t_junctions.list.iter().map(|j| json!({ "vertex": j.vertex, "face": j.face, "edge": j.edge })).collect::<Vec<_>>(),
-        "t_joints_count": r.t_junctions.count,
-        "t_joints_lower_bound": r.t_junctions.at_least || r.t_junctions.count > r.t_junctions.list.len(),
+        "t_joints_count": joints.count,
+        "t_joints_lower_bound": joints.at_least || joints.count > joints.list.len(),
         "faces_around_axis": around_axis,
-    })
+    });
+    Document {
+        figures,
+        t_joints: &joints.list,
+        per_triangle: per_triangle.then_some(&r.triangles[..]),
+    }
+}
+
+/// Asks for the memory of [`json`] and its text.
+pub(super) fn ask_for_json(
+    r: &Report,
+    per_triangle: bool,
+    budget: MemoryBudget,
+) -> Result<(), OverBudget> {
+    // Three copies of the text of an entry; a batch makes a tree of values of it.
+    let [joint, triangle] = if observe::is_on() {
+        [2000, 4000]
+    } else {
+        [400, 1200]
+    };
+    let joints = r.t_junctions.list.len();
+    let triangles = if per_triangle { r.triangles.len() } else { 0 };
+    budget.ask(
+        (joints * joint + triangles * triangle) as u64,
+        format_args!("the JSON of {joints} T-junctions and {triangles} triangles"),
+        "leave out --per-triangle, or ask for --report instead of --json",
+    )
+}
+
+fn joints<S: Serializer>(list: &[TJunction], to: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Joint {
+        edge: [u32; 2],
+        face: u32,
+        vertex: u32,
+    }
+    to.collect_seq(list.iter().map(|j| Joint {
+        edge: j.edge,
+        face: j.face,
+        vertex: j.vertex,
+    }))
 }
 
 /// One object for each triangle of the faces' fans, in order; an infinite figure is null.
-pub(super) fn per_triangle(r: &Report) -> Value {
-    let triangle = |t: &texmap_uv::TriangleReport| {
+fn each_triangle<S: Serializer>(
+    triangles: &Option<&[TriangleReport]>,
+    to: S,
+) -> Result<S::Ok, S::Error> {
+    let triangle = |t: &TriangleReport| {
         json!({
             "face": t.face,
             "stretch": { "l2": t.l2, "linf": t.linf },
@@ -165,5 +230,67 @@ pub(super) fn per_triangle(r: &Report) -> Value {
             "outside": t.outside,
         })
     };
-    r.triangles.iter().map(triangle).collect()
+    to.collect_seq(triangles.iter().copied().flatten().map(triangle))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texmap_uv::{Faces, Mesh, ReportOptions, UvSet, report};
+
+    /// A grid of squares that is its own picture, and a triangle with vertices of them inside its edges.
+    fn grid(side: u32) -> Report {
+        let positions: Vec<[f32; 3]> = (0..=side)
+            .flat_map(|y| (0..=side).map(move |x| [x as f32, y as f32, 0.0]))
+            .collect();
+        let mut faces = Faces::new();
+        let row = side + 1;
+        for k in (1..=side).flat_map(|y| (1..=side).map(move |x| y * row + x)) {
+            faces.push(&[k - row - 1, k - row, k, k - 1]);
+        }
+        faces.push(&[2, 0, row * side]);
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let set = UvSet {
+            uvs: positions.iter().map(|p| [p[0], p[1]]).collect(),
+            corners: faces.corners().to_vec(),
+        };
+        report(&mesh, &set, &ReportOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn lists_stand_in_the_document_if_they_are_asked_for() {
+        let found = grid(3);
+        let text = |per_triangle| {
+            let document = json(Path::new("a.obj"), &found, &[7], per_triangle);
+            serde_json::to_value(document).unwrap()
+        };
+        let (short, long) = (text(false), text(true));
+        let joints = &found.t_junctions;
+        assert!(joints.count > 0);
+        assert_eq!(short["t_joints"].as_array().unwrap().len(), joints.count);
+        assert_eq!(short["t_joints_count"], joints.count);
+        assert_eq!(short["t_joints"][0]["vertex"], joints.list[0].vertex);
+        assert_eq!(short["t_joints_lower_bound"], false);
+        assert_eq!(
+            (&short["faces"], &short["faces_around_axis"][0]),
+            (&json!(10), &json!(7))
+        );
+        assert!(short.get("per_triangle").is_none());
+        assert_eq!(long["per_triangle"].as_array().unwrap().len(), 19);
+        assert_eq!(long["per_triangle"][18]["face"], 9);
+    }
+
+    #[test]
+    fn the_memory_of_lists_is_asked_for() {
+        let found = grid(140);
+        let budget = MemoryBudget::new(20 << 20);
+        assert_eq!(ask_for_json(&found, false, budget), Ok(()));
+        let refused = ask_for_json(&found, true, budget).unwrap_err();
+        assert!(refused.to_string().contains("39201 triangles"), "{refused}");
+        assert!(refused.lower.contains("--per-triangle"));
+        // What is asked for holds the text three times.
+        let text = serde_json::to_string_pretty(&json(Path::new("a.obj"), &found, &[], true));
+        let text = text.unwrap().len() as u64;
+        assert!(3 * text <= refused.bytes, "{text} of {}", refused.bytes);
+    }
 }
