@@ -311,6 +311,26 @@ fn a_plane_is_fitted_and_what_it_loses_is_told() {
     assert!(table.contains("angle distortion      mean 2.5,"), "{table}");
 }
 
+/// Nobody can make files in /proc: neither the mesh nor the pictures appear without the other.
+#[cfg(target_os = "linux")]
+#[test]
+fn pictures_and_mesh_appear_together() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name).display().to_string();
+    for (mesh, pictures) in [
+        ("/proc/x.obj".to_owned(), at("pictures")),
+        (at("x.obj"), "/proc/pictures".to_owned()),
+    ] {
+        let model = asset("cube.obj");
+        let flags = ["--map", "auto", "-o", &mesh, "--pictures", &pictures];
+        let output = texmap(&[&[model.as_str()], &flags[..]].concat());
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{told}");
+        let left: Vec<_> = std::fs::read_dir(dir.path()).unwrap().collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
 #[test]
 fn polygons_too_large_for_the_unwrapper_are_refused_by_line() {
     let dir = tempfile::tempdir().unwrap();

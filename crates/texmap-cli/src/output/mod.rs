@@ -81,8 +81,8 @@ impl Destination {
 pub(crate) struct Stage {
     folder: Folder,
     files: Vec<(PathBuf, Destination)>,
-    /// After the folder, which may lie in them.
-    made: MadeFolders,
+    /// After the folder, which may lie in them; those made last go first.
+    made: Vec<MadeFolders>,
 }
 
 impl Stage {
@@ -92,16 +92,21 @@ impl Stage {
             Destination::Stdout | Destination::Device(_) => std::env::temp_dir(),
             Destination::File(path) => folder_of(path).to_owned(),
         };
-        let refused = |e: io::Error| {
-            let attempt = "check the permissions and the free space of the folder";
-            unwritable(&at, &e.to_string(), attempt)
-        };
-        let made = MadeFolders::new(&at).map_err(refused)?;
+        let (folder, made) = proven(&at)?;
         Ok(Self {
-            folder: Folder::new(&at).map_err(refused)?,
+            folder,
             files: Vec::new(),
-            made,
+            made: vec![made],
         })
+    }
+
+    /// Proves that files can be written beside this one, too, before any output is renamed.
+    pub(crate) fn prove(&mut self, other: &Destination) -> Result<(), Failure> {
+        if let Destination::File(path) = other {
+            let (_, made) = proven(folder_of(path))?;
+            self.made.insert(0, made);
+        }
+        Ok(())
     }
 
     /// Path of the temporary file that becomes `destination`.
@@ -139,9 +144,21 @@ impl Stage {
             }
         }
         drop(folders);
-        std::mem::take(&mut self.made).keep();
+        let made = std::mem::take(&mut self.made);
+        made.into_iter().for_each(MadeFolders::keep);
         Ok(())
     }
+}
+
+/// A temporary folder in a folder, which is made if there is none.
+fn proven(at: &Path) -> Result<(Folder, MadeFolders), Failure> {
+    let refused = |e: io::Error| {
+        let attempt = "check the permissions and the free space of the folder";
+        unwritable(at, &e.to_string(), attempt)
+    };
+    let made = MadeFolders::new(at).map_err(refused)?;
+    let folder = Folder::new(at).map_err(refused)?;
+    Ok((folder, made))
 }
 
 /// `0-room.png`: unlike any other name of the stage, and readable in messages.
@@ -318,6 +335,20 @@ mod tests {
         stage.commit().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
         assert_eq!(fs::read_to_string(&other).unwrap(), "b");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn other_folders_are_proven_before_the_first_file_appears() {
+        let dir = tempfile::tempdir().unwrap();
+        let main = Destination::new(&dir.path().join("new/a.obj")).unwrap();
+        let other = |name: &str| Destination::new(&dir.path().join(name)).unwrap();
+        let mut stage = Stage::new(&main).unwrap();
+        stage.prove(&other("new/deep/pictures/b.png")).unwrap();
+        let refused = stage.prove(&Destination::new(Path::new("/proc/b/b.png")).unwrap());
+        assert_eq!(refused.unwrap_err().code, "write-failed");
+        drop(stage);
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
     }
 
     #[cfg(unix)]

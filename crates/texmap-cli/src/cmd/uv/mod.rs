@@ -142,11 +142,12 @@ fn list<const N: usize>(text: &str) -> Result<List<N>, String> {
 
 pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     check(args)?;
-    let pictures = args.pictures.iter();
-    let pictures = pictures.flat_map(|folder| pictures::NAMES.map(|name| folder.join(name)));
+    let folder = args.pictures.iter();
+    let pictures = folder.flat_map(|folder| pictures::NAMES.map(|name| folder.join(name)));
     let outputs = args.output.iter().chain(&args.tangents).cloned();
+    let outputs: Vec<PathBuf> = outputs.chain(pictures).collect();
     let inputs = [&args.mesh].into_iter().chain(&args.cut).chain(&args.sew);
-    distinct(outputs.chain(pictures), inputs)?;
+    distinct(&outputs, inputs)?;
     let source = Source::read(&args.mesh)?;
     let mesh = source.mesh()?;
     let pairs = |path: &Option<PathBuf>| {
@@ -177,13 +178,12 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     if let Some(found) = found.as_ref().filter(|_| args.json) {
         table::ask_for_json(found, args.per_triangle, MemoryBudget::of_process())?;
     }
-    let main = args.output.as_deref().or(args.tangents.as_deref());
-    let pictures = match (&found, &args.pictures) {
-        (Some(found), Some(folder)) => Some(pictures::draw(folder, &mesh, &set, found)?),
-        _ => None,
-    };
-    if let Some(main) = main.map(Destination::new).transpose()? {
+    let main = outputs.first().map(|path| Destination::new(path));
+    if let Some(main) = main.transpose()? {
         let mut stage = Stage::new(&main)?;
+        for path in outputs.iter().skip(1) {
+            stage.prove(&Destination::new(path)?)?;
+        }
         if let Some(path) = &args.output {
             let place = stage.add(Destination::new(path)?, "obj");
             let text = source.text(&set, path);
@@ -205,9 +205,11 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
             )?;
             written.push(format!("{}: {} tangents", path.display(), found.len()));
         }
+        if let (Some(found), Some(folder)) = (&found, &args.pictures) {
+            written.extend(pictures::draw(&mut stage, folder, &mesh, &set, found)?);
+        }
         stage.commit()?;
     }
-    written.extend(pictures.into_iter().flatten());
     if let Some(found) = &found {
         if args.report && !args.json {
             print(&table::text(&args.mesh, found))?;

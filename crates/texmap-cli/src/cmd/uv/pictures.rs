@@ -1,6 +1,5 @@
 //! The report as pictures in a folder.
 
-use std::fs;
 use std::path::Path;
 
 use texmap_io::framing::View;
@@ -10,7 +9,6 @@ use texmap_lab::uv_pictures::{checker, heat, layout};
 use texmap_truth::picture::Picture;
 use texmap_uv::{Mesh, Origin, Report, UvSet, layout_svg};
 
-use super::write_failed;
 use crate::failure::Failure;
 use crate::output::{Destination, Stage};
 
@@ -20,14 +18,14 @@ pub(super) const NAMES: [&str; 4] = ["checker.png", "heat.png", "layout.png", "l
 /// Edge of each picture.
 const SIZE: u32 = 512;
 
-/// Writes `checker.png`, `heat.png`, `layout.png` and `layout.svg`; gives a line for each file written.
+/// Adds `checker.png`, `heat.png`, `layout.png` and `layout.svg` to the outputs; gives a line for each.
 pub(super) fn draw(
+    stage: &mut Stage,
     folder: &Path,
     mesh: &Mesh<'_>,
     set: &UvSet,
     report: &Report,
 ) -> Result<Vec<String>, Failure> {
-    fs::create_dir_all(folder).map_err(|e| write_failed(folder, &e))?;
     let both = |one: &dyn Fn(View) -> Result<Picture, LabError>| -> Result<Picture, Failure> {
         let mut sheet = Picture::new(2 * SIZE, SIZE, [255; 4]);
         for (x, view) in [(0, View::Iso), (i64::from(SIZE), View::Back)] {
@@ -53,7 +51,6 @@ pub(super) fn draw(
             "the unwrapped picture: overlaps pink, flipped blue",
         ),
     ];
-    let mut stage = Stage::new(&Destination::new(&folder.join(NAMES[0]))?)?;
     let mut lines = Vec::new();
     for (name, picture, what) in pictures {
         let path = folder.join(name);
@@ -65,7 +62,6 @@ pub(super) fn draw(
     let svg = layout_svg(set, report, Origin::BottomLeft, 2 * SIZE);
     let place = stage.add(Destination::new(&path)?, "svg");
     texmap_io::atomic::write(&place, |out| out.write_all(svg.as_bytes()))?;
-    stage.commit()?;
     lines.push(format!("{}: the same as SVG", path.display()));
     Ok(lines)
 }
