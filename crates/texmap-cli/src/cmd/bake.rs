@@ -261,26 +261,34 @@ fn outputs(args: &BakeArgs, scene: &Scene, meshes: &[usize]) -> Result<Vec<PathB
             "put {object} into the name: -o 'maps/{object}.png'",
         ));
     }
-    let mut used: Vec<String> = Vec::new();
-    for mesh in meshes {
-        // Names of faces without a `name` line hold paths and colons.
-        let letter = |c: char| {
-            if c.is_alphanumeric() || "-_.".contains(c) {
-                c
-            } else {
-                '_'
-            }
-        };
-        let plain: String = scene.meshes[*mesh].name.chars().map(letter).collect();
-        let twin = used.contains(&plain);
-        used.push(if twin {
-            format!("{plain}-{mesh}")
-        } else {
-            plain
-        });
-    }
+    let named = meshes.iter().map(|m| (*m, scene.meshes[*m].name.as_str()));
+    let objects = file_parts(named);
     let name = |object: &String| os_name::replaced(template, OBJECT, OsStr::new(object)).into();
-    Ok(used.iter().map(name).collect())
+    Ok(objects.iter().map(name).collect())
+}
+
+/// What stands for `{object}` in the names of the files of meshes, given by number and name: no two are equal.
+fn file_parts<'a>(meshes: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
+    // Names of faces without a `name` line hold paths and colons.
+    let letter = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
+    let mut used = BTreeSet::new();
+    let parts = meshes.map(|(mesh, name)| {
+        let plain: String = name.chars().map(letter).collect();
+        let mut part = plain.clone();
+        // A mesh may be called as another would be numbered.
+        let mut numbers = mesh..;
+        while !used.insert(part.clone()) {
+            part = format!("{plain}-{}", numbers.next().unwrap_or(mesh));
+        }
+        part
+    });
+    parts.collect()
 }
 
 /// The lights that are baked.
@@ -328,4 +336,18 @@ fn shadows(
         }
     }
     Ok(shadows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn meshes_have_files_of_their_own() {
+        let parts = |names: &[&str]| file_parts(names.iter().copied().enumerate());
+        assert_eq!(parts(&["a", "b"]), ["a", "b"]);
+        assert_eq!(parts(&["a b", "a:b", "a/b"]), ["a_b", "a_b-1", "a_b-2"]);
+        assert_eq!(parts(&["a-2", "a", "a"]), ["a-2", "a", "a-3"]);
+        assert_eq!(parts(&["a", "a", "a-1"]), ["a", "a-1", "a-1-2"]);
+    }
 }
