@@ -62,6 +62,13 @@ pub enum UvError {
         /// Texels between islands.
         gutter: u32,
     },
+    /// An atlas larger than the unwrapper can fill.
+    AtlasTooLarge {
+        /// Edge of the atlas in texels.
+        size: u32,
+        /// The most that it takes.
+        limit: u32,
+    },
     /// A vertex pair of a cut or a sew that is no edge of the mesh.
     NotAnEdge {
         /// One end.
@@ -132,6 +139,10 @@ impl fmt::Display for UvError {
                     "{charts} islands with gutters of {gutter} do not fit an atlas of {size} x {size} texels; try a larger atlas or a smaller gutter"
                 )
             }
+            Self::AtlasTooLarge { size, limit } => write!(
+                f,
+                "an atlas of {size} x {size} texels, of which the unwrapper takes at most {limit} a side"
+            ),
             Self::NotAnEdge { a, b } => {
                 write!(f, "no face has an edge from vertex {a} to vertex {b}")
             }

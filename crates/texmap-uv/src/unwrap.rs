@@ -4,6 +4,7 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
 
+use crate::islands::Islands;
 use crate::mesh::Mesh;
 use crate::pack::AtlasSize;
 use crate::seam_edges::SeamEdges;
@@ -15,17 +16,23 @@ use crate::{Origin, UvError};
 /// and the time for one of these many is a few seconds.
 const AROUND: usize = 2048;
 
+/// Largest edge of an atlas in texels: the unwrapper takes at most 2^30 of them.
+const LARGEST: u32 = 1 << 15;
+
 /// Unwraps the mesh into islands in one atlas, without overlaps and inside [0, 1]. `cuts` are required seams, and the
 /// polygons of the mesh stay whole. The same bytes on every platform and thread count.
 ///
 /// Half of the gutter, rounded up, is kept around every island.
 ///
+/// An island that winds around itself, such as a helicoid, takes time in the square of its faces (4,000 quads: 95 s), unless
+/// `cuts` part its turns.
+///
 /// `progress` hears after each step how many of how many (if known) are done in the present stage: islands are found, flattened,
 /// packed and written. It may be called from any thread, and ends the work by [`ControlFlow::Break`].
 ///
 /// # Errors
-/// [`UvError::Cancelled`] after a break; a cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, or whatever the
-/// unwrapper says.
+/// [`UvError::Cancelled`] after a break; a cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, an atlas of
+/// more than 32,768 texels a side, or of no more than its gutters, or whatever the unwrapper says.
 pub fn unwrap(
     mesh: &Mesh<'_>,
     cuts: &SeamEdges<'_>,
@@ -34,7 +41,7 @@ pub fn unwrap(
     progress: &(dyn Fn(usize, Option<usize>) -> ControlFlow<()> + Sync),
 ) -> Result<UvSet, UvError> {
     let topology = Topology::new(mesh);
-    check(mesh, &topology)?;
+    check(mesh, &topology, atlas_size)?;
     let marks = cuts.marks(mesh, &topology)?;
     let triangles: Vec<(usize, [usize; 3])> = mesh.faces().triangles().collect();
     let corners = mesh.faces().corners();
@@ -59,25 +66,23 @@ pub fn unwrap(
         density: uvunwrap::Density::Auto {
             page_size: atlas_size.size,
         },
-        padding: atlas_size.gutter.div_ceil(2),
+        padding: padding(atlas_size),
         packing: uvunwrap::Packing::Fast,
         ..uvunwrap::Options::default()
     };
     let go_on = |p: uvunwrap::Progress| progress(p.done, p.total).is_continue();
     let atlas = uvunwrap::generate_with_progress(&[input], &options, go_on).map_err(|e| {
-        if matches!(e, uvunwrap::Error::Cancelled) {
-            return UvError::Cancelled;
-        }
-        UvError::Unwrap {
-            reason: e.to_string(),
+        match e {
+            uvunwrap::Error::Cancelled => UvError::Cancelled,
+            // With its padding alone a chart is larger than the atlas.
+            uvunwrap::Error::ChartTooLarge { .. } => does_not_fit(1, atlas_size),
+            e => UvError::Unwrap {
+                reason: e.to_string(),
+            },
         }
     })?;
     if atlas.page_count > 1 {
-        return Err(UvError::DoesNotFit {
-            charts: atlas.chart_count as usize,
-            size: atlas_size.size,
-            gutter: atlas_size.gutter,
-        });
+        return Err(does_not_fit(atlas.chart_count as usize, atlas_size));
     }
     let out = atlas.meshes.into_iter().next().unwrap_or_default();
     // The atlas is cropped in height; made square again, it keeps its texels.
@@ -102,9 +107,32 @@ pub fn unwrap(
     Ok(UvSet::shared(mesh, &values))
 }
 
-/// Refuses what the unwrapper has no time for.
-fn check(mesh: &Mesh<'_>, topology: &Topology) -> Result<(), UvError> {
+/// Texels around every island.
+fn padding(atlas: AtlasSize) -> u32 {
+    atlas.gutter.div_ceil(2)
+}
+
+fn does_not_fit(charts: usize, atlas: AtlasSize) -> UvError {
+    UvError::DoesNotFit {
+        charts,
+        size: atlas.size,
+        gutter: atlas.gutter,
+    }
+}
+
+/// Refuses what the unwrapper has no room or no time for.
+fn check(mesh: &Mesh<'_>, topology: &Topology, atlas: AtlasSize) -> Result<(), UvError> {
+    if atlas.size > LARGEST {
+        return Err(UvError::AtlasTooLarge {
+            size: atlas.size,
+            limit: LARGEST,
+        });
+    }
     let faces = mesh.faces();
+    if atlas.size <= padding(atlas).saturating_mul(2) {
+        let pieces = Islands::linked(faces.len(), topology, |_| true).count;
+        return Err(does_not_fit(pieces, atlas));
+    }
     let large = (0..faces.len()).find(|&f| faces.face(f).len() > AROUND);
     if let Some(face) = large {
         return Err(UvError::TooManyCorners {
@@ -126,5 +154,47 @@ fn check(mesh: &Mesh<'_>, topology: &Topology) -> Result<(), UvError> {
             limit: AROUND,
         }),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Faces;
+
+    #[test]
+    fn atlases_without_room_are_refused_by_their_size_and_gutter() {
+        let positions = [
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [5.0; 3],
+            [6.0, 5.0, 5.0],
+        ];
+        let faces = Faces::from_triangles(&[[0, 1, 2], [3, 4, 1]]);
+        let mesh = Mesh::new(&positions, &faces).unwrap();
+        let into = |size, gutter| {
+            let go_on = |_, _| ControlFlow::Continue(());
+            let atlas = AtlasSize { size, gutter };
+            let cuts = SeamEdges::default();
+            unwrap(&mesh, &cuts, atlas, Origin::TopLeft, &go_on).map(|_| ())
+        };
+        assert_eq!(into(LARGEST, 4), Ok(()));
+        for size in [LARGEST + 1, 40_000, u32::MAX] {
+            let limit = LARGEST;
+            assert_eq!(into(size, 4), Err(UvError::AtlasTooLarge { size, limit }));
+        }
+        assert_eq!(into(16, 4), Ok(()));
+        for (size, gutter) in [(8, 4096), (8, 8), (0, 0), (8, u32::MAX)] {
+            let charts = 2;
+            assert_eq!(
+                into(size, gutter),
+                Err(UvError::DoesNotFit {
+                    charts,
+                    size,
+                    gutter
+                })
+            );
+        }
     }
 }

@@ -250,6 +250,18 @@ fn bad_input_ends_with_four_and_names_its_place() {
             4,
             "do not fit an atlas of 8 x 8",
         ),
+        (
+            vec!["--map", "unwrap", "--pack", "40000", "--report"],
+            4,
+            "give --pack 32768 or less",
+        ),
+        (
+            vec![
+                "--map", "unwrap", "--pack", "8", "--gutter", "4096", "--report",
+            ],
+            4,
+            "give a larger --pack or a smaller --gutter",
+        ),
     ];
     for (flags, code, expected) in fails {
         let output = texmap(&[&[good.as_str()], &flags[..]].concat());

@@ -179,6 +179,16 @@ impl<'a> Source<'a> {
                 ),
                 "divide them in rings, or give another --map, such as --map auto",
             ),
+            UvError::AtlasTooLarge { limit, .. } => {
+                let why =
+                    format!("give --pack {limit} or less, or another --map, such as --map auto");
+                return Failure::new(
+                    Exit::Input,
+                    "unwrap-limit",
+                    format!("{place}: {error}"),
+                    why,
+                );
+            }
             UvError::Unwrap { .. } => (
                 "unwrap-failed",
                 error.to_string(),
