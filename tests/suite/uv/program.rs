@@ -343,6 +343,27 @@ fn pictures_and_mesh_appear_together() {
     }
 }
 
+/// A comb of more corners than are cut.
+#[test]
+fn a_concave_face_that_is_drawn_as_a_fan_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("comb.obj").display().to_string();
+    let end = 16_384;
+    let mut text = String::new();
+    for k in 0..end {
+        text += &format!("v {k} {} 0\n", if k % 2 == 0 { 1.0 } else { 0.1 });
+    }
+    text += &format!("v {end} 0 0\nv -1 0 0\n");
+    let corners: Vec<String> = (1..=end + 2).map(|i| i.to_string()).collect();
+    text += &format!("f {}\n", corners.join(" "));
+    std::fs::write(&path, text).unwrap();
+    let output = texmap(&[&path, "--map", "plane", "-o", &path.replace("comb", "out")]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+    let warning = "comb.obj:16387: a concave face of 16386 corners is drawn as a fan";
+    assert!(told.contains(warning), "{told}");
+}
+
 #[test]
 fn polygons_too_large_for_the_unwrapper_are_refused_by_line() {
     let dir = tempfile::tempdir().unwrap();

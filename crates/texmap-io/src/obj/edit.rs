@@ -21,6 +21,8 @@ pub struct ObjText {
     obj: Obj,
     spans: Spans,
     faces: Faces,
+    /// The first concave face that has too many corners for another cut than a fan.
+    uncut: Option<usize>,
     /// The text is that of the file.
     own: bool,
 }
@@ -59,7 +61,7 @@ impl ObjText {
         let obj = pieces::read(path, &text, Some(&mut spans))?.join();
         let (mut faces, mut corners) = (Faces::new(), obj.corners.as_slice());
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        let mut polygons = Polygons::default();
+        let (mut polygons, mut uncut) = (Polygons::default(), None);
         for face in &obj.faces {
             let (own, rest) = corners.split_at(face.corners as usize);
             corners = rest;
@@ -67,9 +69,12 @@ impl ObjText {
             vertices.extend(own.iter().map(|c| c.vertex));
             triangles.clear();
             let points = own.iter().map(|c| obj.positions[c.vertex as usize]);
-            polygons.cut(points, |triangle| {
+            let within = polygons.cut(points, |triangle| {
                 triangles.push(triangle.map(|k| k as u32));
             });
+            if !within {
+                uncut.get_or_insert(faces.len());
+            }
             faces.push_cut(&vertices, &triangles);
         }
         Ok(Self {
@@ -77,6 +82,7 @@ impl ObjText {
             obj,
             spans,
             faces,
+            uncut,
             own: true,
         })
     }
@@ -95,6 +101,13 @@ impl ObjText {
     pub fn line(&self, face: usize) -> Option<u32> {
         let face = self.obj.faces.get(face).filter(|_| self.own);
         face.map(|face| face.line)
+    }
+
+    /// The first concave face that has too many corners to be cut within its outline, and a warning of it: its triangles are a fan.
+    pub fn drawn_as_fan(&self) -> Option<(usize, String)> {
+        let face = self.uncut?;
+        let corners = self.faces.face(face).len();
+        Some((face, super::drawn_as_fan(corners as u32)))
     }
 
     /// The file's coordinates; `None` if a corner has none.
@@ -284,6 +297,28 @@ mod tests {
         let files = FileSource::anywhere().with_memory(budget);
         assert_eq!(ObjText::read(&path, &files).unwrap().positions().len(), 4);
         assert_eq!(ASKED.load(Ordering::Relaxed), 2);
+    }
+
+    /// Combs of many teeth, after a square: the smaller one is cut, the larger one told.
+    #[test]
+    fn a_concave_face_of_too_many_corners_is_told() {
+        let comb = |corners: usize| {
+            let mut text = "v 0 0 -1\nv 1 0 -1\nv 1 1 -1\nv 0 1 -1\nf 1 2 3 4\n".to_owned();
+            let end = corners - 2;
+            for k in 0..end {
+                let _ = writeln!(text, "v {k} {} 0", if k % 2 == 0 { 1.0 } else { 0.1 });
+            }
+            let _ = writeln!(text, "v {end} 0 0\nv -1 0 0");
+            let own: Vec<String> = (5..corners + 5).map(|k| k.to_string()).collect();
+            parse(&format!("{text}f {}\n", own.join(" "))).unwrap()
+        };
+        assert_eq!(comb(16_384).drawn_as_fan(), None);
+        let (face, warning) = comb(16_385).drawn_as_fan().unwrap();
+        assert_eq!(face, 1);
+        assert!(
+            warning.starts_with("a concave face of 16385 corners is drawn as a fan"),
+            "{warning}"
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::Path;
 use texmap_io::{FileSource, IoError, ObjText, obj_text, shown};
 use texmap_uv::{Mesh, UvError, UvSet, tangents};
 
-use crate::failure::{Exit, Failure};
+use crate::failure::{Exit, Failure, say};
 
 /// The text and its name.
 pub(in crate::cmd) struct Source<'a> {
@@ -14,9 +14,20 @@ pub(in crate::cmd) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
+    /// Reads a file, and warns of a face that is drawn beyond its outline.
     pub(in crate::cmd) fn read(path: &'a Path) -> Result<Self, Failure> {
         match obj_text(path, &FileSource::anywhere()) {
-            Ok(obj) => Ok(Self { path, obj }),
+            Ok(obj) => {
+                let source = Self { path, obj };
+                if let Some((face, what)) = source.obj.drawn_as_fan() {
+                    let face = match source.obj.line(face) {
+                        Some(line) => format!("{line}"),
+                        None => format!(" face {}", face + 1),
+                    };
+                    say(&format!("warning: {}:{face}: {what}\n", shown(path)));
+                }
+                Ok(source)
+            }
             Err(error @ IoError::UnknownFormat { .. }) => Err(Failure::new(
                 Exit::Input,
                 error.code(),
