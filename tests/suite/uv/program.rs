@@ -262,6 +262,11 @@ fn bad_input_ends_with_four_and_names_its_place() {
             4,
             "give a larger --pack or a smaller --gutter",
         ),
+        (
+            vec!["--map", "box", "--fix-seams", "--report"],
+            2,
+            "--fix-seams has no effect",
+        ),
     ];
     for (flags, code, expected) in fails {
         let output = texmap(&[&[good.as_str()], &flags[..]].concat());

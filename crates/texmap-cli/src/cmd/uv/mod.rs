@@ -1,5 +1,6 @@
 //! `texmap uv`: texture coordinates for a mesh, and a report on its present ones.
 
+mod check;
 mod pictures;
 pub(super) mod source;
 mod table;
@@ -17,10 +18,10 @@ use texmap_uv::{
     UvError, UvSet, auto_planes, cut_seams, pack, report, sew_seams, unmapped, unwrap,
 };
 
+use self::check::check;
 use self::source::Source;
 use crate::digits::digits;
 use crate::failure::{Exit, Failure, print, print_json, say};
-use crate::formats;
 use crate::output::{Destination, Stage, distinct};
 use crate::values::Triple;
 
@@ -58,7 +59,7 @@ pub(crate) struct UvArgs {
     /// Map the faces above and below onto the side of the cylinder or cone as well
     #[arg(long)]
     no_caps: bool,
-    /// Unwrap faces across the seam and fan the poles
+    /// Unwrap faces across the seam of a cylinder, cone or sphere and fan the poles
     #[arg(long)]
     fix_seams: bool,
     /// Cut along edges: a file with two vertex numbers of the OBJ (from 1) a line
@@ -73,9 +74,9 @@ pub(crate) struct UvArgs {
     /// Pack the islands into an atlas of this many texels a side, at one density (auto and unwrap always pack: 1024)
     #[arg(long, value_name = "SIZE", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pack: Option<u32>,
-    /// Texels between packed islands
-    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=4_096))]
-    gutter: u32,
+    /// Texels between packed islands, 4 by default
+    #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(0..=4_096))]
+    gutter: Option<u32>,
     /// Write the tangent of every corner (x, y, z, sign) as .npy
     #[arg(long, value_name = "FILE.npy")]
     tangents: Option<PathBuf>,
@@ -85,9 +86,9 @@ pub(crate) struct UvArgs {
     /// Draw checker, heat map and layout into this folder
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
-    /// Edge of the texture in texels, for the density in the report
-    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=65_536))]
-    texture_size: u32,
+    /// Edge of the texture in texels, for the density in the report, 1024 by default
+    #[arg(long, value_name = "SIZE", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    texture_size: Option<u32>,
     /// With --json: the figures of every triangle too
     #[arg(long, requires = "json")]
     per_triangle: bool,
@@ -167,10 +168,11 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     let found = match args.report || args.json || args.pictures.is_some() {
         false => None,
         true => {
+            let usual = ReportOptions::default();
             let options = ReportOptions {
                 origin: Origin::BottomLeft,
-                texture_size: args.texture_size,
-                views: true,
+                texture_size: args.texture_size.unwrap_or(usual.texture_size),
+                ..usual
             };
             Some(report(&mesh, &set, &options).map_err(|e| source.fault(&e))?)
         }
@@ -242,91 +244,6 @@ pub(crate) fn run(args: &UvArgs) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-fn check(args: &UvArgs) -> Result<(), Failure> {
-    let output = args.output.is_some() || args.tangents.is_some();
-    if !output && !args.report && !args.json && args.pictures.is_none() {
-        return Err(Failure::usage(
-            "nothing to do",
-            "give -o OUT.obj, --report, --json, --pictures DIR or --tangents FILE.npy",
-        ));
-    }
-    let to_stdout = |path: &Option<PathBuf>| path.as_deref() == Some(Path::new("-"));
-    let streams = [
-        ("-o -", to_stdout(&args.output)),
-        ("--tangents -", to_stdout(&args.tangents)),
-        ("--json", args.json),
-        ("--report", args.report && !args.json),
-    ];
-    let mut streams = streams.into_iter().filter(|(_, given)| *given);
-    if let (Some((first, _)), Some((second, _))) = (streams.next(), streams.next()) {
-        return Err(Failure::usage(
-            format!("{first} and {second} do not go together"),
-            "name a file",
-        ));
-    }
-    for (flag, path, known) in [
-        ("-o", &args.output, "obj"),
-        ("--tangents", &args.tangents, "npy"),
-    ] {
-        if let Some(path) = path {
-            formats::ending(flag, path, &[known])?;
-        }
-    }
-    let shape = matches!(
-        args.map,
-        Some(Map::Plane | Map::Cylinder | Map::Cone | Map::Sphere | Map::Box)
-    );
-    let needs = |given: bool, flag: &str, what: &str| match given {
-        true => Err(Failure::usage(
-            format!("{flag} has no effect here"),
-            format!("it belongs to {what}"),
-        )),
-        false => Ok(()),
-    };
-    needs(
-        args.by != By::Position && !shape,
-        "--by",
-        "--map plane, cylinder, cone, sphere or box",
-    )?;
-    needs(
-        args.frame.is_some() && !shape,
-        "--frame",
-        "--map plane, cylinder, cone, sphere or box",
-    )?;
-    needs(
-        args.repeat.is_some() && !shape,
-        "--repeat",
-        "--map plane, cylinder, cone, sphere or box",
-    )?;
-    needs(
-        args.fix_seams && !shape,
-        "--fix-seams",
-        "--map cylinder, cone or sphere",
-    )?;
-    needs(
-        args.no_caps && !matches!(args.map, Some(Map::Cylinder | Map::Cone)),
-        "--no-caps",
-        "--map cylinder or cone",
-    )?;
-    needs(
-        args.eye.is_some() && args.by != By::Reflection,
-        "--eye",
-        "--by reflection",
-    )?;
-    needs(
-        args.tile.is_some() && (args.map != Some(Map::Plane) || args.by != By::Position),
-        "--tile",
-        "--map plane --by position",
-    )?;
-    if args.by == By::Reflection && args.eye.is_none() {
-        return Err(Failure::usage(
-            "--by reflection needs an eye",
-            "give --eye x,y,z",
-        ));
-    }
-    Ok(())
-}
-
 /// The new coordinates, or those of the file; and the faces around the axis of a round shape.
 fn coordinates(
     args: &UvArgs,
@@ -335,9 +252,10 @@ fn coordinates(
     cuts: &SeamEdges<'_>,
     seams: &[[u32; 2]],
 ) -> Result<(UvSet, Vec<u32>), UvError> {
+    let usual = AtlasSize::default();
     let atlas = AtlasSize {
-        size: args.pack.unwrap_or(1024),
-        gutter: args.gutter,
+        size: args.pack.unwrap_or(usual.size),
+        gutter: args.gutter.unwrap_or(usual.gutter),
     };
     let (mut set, mut around) = match args.map {
         Some(Map::Auto) => (auto_planes(mesh, atlas, Origin::BottomLeft)?, Vec::new()),
