@@ -37,8 +37,8 @@ pub(crate) mod written;
 /// Folder that a verb which loads scenes is confined to.
 #[derive(Args, Debug)]
 pub(crate) struct Root {
-    /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers. A model on standard input finds its
-    /// files here
+    /// Read nothing outside of this folder, neither by `..` nor through links: for scenes of strangers. A model that `texmap render -` reads
+    /// from standard input finds its files here
     #[arg(long, value_name = "DIR")]
     root: Option<PathBuf>,
 }
