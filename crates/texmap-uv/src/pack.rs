@@ -2,6 +2,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::cmp::Reverse;
 use texmap_math::float;
 use texmap_math::glam::DVec2;
 
@@ -100,8 +101,10 @@ impl Island {
         scale: None,
     };
 
+    /// True if it is higher than wide, by more than rounding.
     fn upright(&self) -> bool {
-        self.high.y - self.low.y > self.high.x - self.low.x
+        let e = self.high - self.low;
+        e.y > e.x * (1.0 + 1e-6)
     }
 
     fn longest(&self) -> f64 {
@@ -146,20 +149,26 @@ fn best_scale(charts: &[Island], atlas: AtlasSize) -> Result<(f64, Vec<DVec2>), 
         gutter: atlas.gutter,
     };
     let inner = f64::from(atlas.size) - 2.0 * f64::from(atlas.gutter);
-    let widest = charts
+    let longest = charts
         .iter()
         .filter(|c| c.scale.is_some())
-        .map(|c| c.extent(1.0).x)
+        .map(|c| c.extent(1.0).max_element())
         .fold(0.0, |a: f64, b| if b > a { b } else { a });
     if inner < 1.0 {
         return Err(fault);
     }
     let mut order: Vec<usize> = (0..charts.len()).collect();
-    // Those without area come last: a texel is no more than any other takes.
-    let height = |i: usize| charts[i].scale.map_or(-1.0, |_| charts[i].extent(1.0).y);
-    order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
+    let height = |i: usize| charts[i].scale.map(|_| charts[i].extent(1.0).y);
+    let highest = (0..charts.len()).filter_map(height).fold(0.0, f64::max);
+    // Heights that rounding alone tells apart are equal, so that the order is that of the numbers in any unit. Those without area
+    // come last: a texel is no more than any other takes.
+    let rank = |i: &usize| {
+        let rank = height(*i).map(|height| float::round_half_up(4096.0 * height / highest) as u32);
+        (Reverse(rank), *i)
+    };
+    order.sort_by_cached_key(rank);
     let try_at = |scale: f64| shelves(charts, &order, scale, atlas);
-    let most = if widest > 0.0 { inner / widest } else { 1.0 };
+    let most = if longest > 0.0 { inner / longest } else { 1.0 };
     if let Some(corners) = try_at(most) {
         return Ok((most, corners));
     }
@@ -310,6 +319,56 @@ mod tests {
                 assert!(
                     (long - size).abs() < 1e-3,
                     "unit {unit}, face {face}: {long}"
+                );
+            }
+        }
+    }
+
+    /// Squares of one size up to rounding keep their order and are not turned, whichever is the largest and however it is rounded.
+    #[test]
+    fn rounding_moves_no_island() {
+        let packed = |noise: &dyn Fn(u32) -> [f32; 2]| {
+            let (mut positions, mut faces, mut values) = (Vec::new(), Faces::new(), Vec::new());
+            for i in 0..30u32 {
+                let [w, h] = noise(i).map(|n| 1.0 + n * f32::EPSILON);
+                let base = 4 * i;
+                let square = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]];
+                positions.extend(square.map(|[x, y]| [x, y, i as f32]));
+                values.extend(square);
+                faces.push(&[base, base + 1, base + 2, base + 3]);
+            }
+            let mesh = Mesh::new(&positions, &faces).unwrap();
+            let set = pack(&mesh, &UvSet::shared(&mesh, &values), AtlasSize::default()).unwrap();
+            set.per_corner()
+        };
+        let exact = packed(&|_| [0.0, 0.0]);
+        // One square fills the atlas, higher than wide or not.
+        let one = |h: f32| {
+            let positions = [[0.0, 0.0], [1.0, 0.0], [1.0, h], [0.0, h]];
+            let set = UvSet {
+                uvs: positions.to_vec(),
+                corners: (0..4).collect(),
+            };
+            let mut faces = Faces::new();
+            faces.push(&[0, 1, 2, 3]);
+            let positions = positions.map(|[x, y]| [x, y, 0.0]);
+            let mesh = Mesh::new(&positions, &faces).unwrap();
+            pack(&mesh, &set, AtlasSize::default()).unwrap().at(2)
+        };
+        for h in [1.0 - f32::EPSILON, 1.0, 1.0 + f32::EPSILON] {
+            let corner = one(h);
+            assert!(
+                corner.iter().all(|c| (c - 1020.0 / 1024.0).abs() < 1e-6),
+                "{corner:?}"
+            );
+        }
+        for k in 1..20 {
+            let noise = |i: u32, m: u32| (i.wrapping_mul(m) >> 7 & 7) as f32;
+            let rounded = packed(&|i| [noise(i + 31 * k, 747_796_405), noise(i + k, 277_803_737)]);
+            for (p, q) in exact.iter().zip(&rounded) {
+                assert!(
+                    (p[0] - q[0]).abs() + (p[1] - q[1]).abs() < 1e-5,
+                    "{p:?} {q:?}"
                 );
             }
         }
