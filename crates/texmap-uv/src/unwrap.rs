@@ -31,8 +31,8 @@ const LARGEST: u32 = 1 << 15;
 /// packed and written. It may be called from any thread, and ends the work by [`ControlFlow::Break`].
 ///
 /// # Errors
-/// [`UvError::Cancelled`] after a break; a cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a vertex, an atlas of
-/// more than 32,768 texels a side, or of no more than its gutters, or whatever the unwrapper says.
+/// [`UvError::Cancelled`] after a break; a cut that is no edge, a face of more than 2048 corners, more than 2048 triangles around a
+/// vertex, an atlas of more than 32,768 texels a side, or of no more than its gutters, or whatever the unwrapper says.
 pub fn unwrap(
     mesh: &Mesh<'_>,
     cuts: &SeamEdges<'_>,

@@ -114,7 +114,7 @@ enum Map {
     Box,
     /// Six planes, by the direction of each face, packed
     Auto,
-    /// Islands of low distortion, packed; spirals take time in the square of their faces (4,000 quads of a helicoid: 95 s) unless --cut parts the turns
+    /// Islands of low distortion, packed; spirals take time in the square of their faces (a helicoid of 4,000 quads: 95 s) unless --cut parts turns
     Unwrap,
 }
 
