@@ -253,7 +253,6 @@ impl LightMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::{Duration, Instant};
     use texmap_light::{Light, ShadowKind};
     use texmap_math::Camera;
     use texmap_math::glam::DMat4;
@@ -317,23 +316,5 @@ mod tests {
         assert_eq!(light(None), 0.5);
         assert_eq!(light(Some(&[2, 3])), 0.25);
         assert_eq!(light(Some(&[1, 3])), 0.0);
-    }
-
-    /// Eight times the lights take about eight times as long; by a search for each light it were sixty times.
-    #[test]
-    fn time_grows_with_the_number_of_shadowed_lights() {
-        let time = |count: usize| -> Duration {
-            let scene = floor(count);
-            let baker = Baker::new(&scene).unwrap();
-            let shadows: Vec<_> = (0..count).map(|light| shadow(light, false)).collect();
-            let once = |_| {
-                let begin = Instant::now();
-                baker.bake(0, &options(&shadows, None)).unwrap();
-                begin.elapsed()
-            };
-            (0..4).map(once).min().unwrap()
-        };
-        let (few, many) = (time(500), time(4000));
-        assert!(many < few * 24, "{few:?} for 500, {many:?} for 4000");
     }
 }
