@@ -363,10 +363,10 @@ def test_an_environment_in_its_own_layout_is_a_copy(rng):
 
 
 def test_shadows_of_the_environment_are_those_of_the_program(program, tmp_path, assets):
-    scene = texmap.load(assets / "models/house.obj")
+    scene = texmap.load(assets / "models/teapot.obj")
     open_ = scene.render(size=(80, 60))
     shadowed = scene.render(size=(80, 60), env_shadows=24)
-    expected = the_hash(program, tmp_path, assets / "models/house.obj", "--resolution", "80x60", "--env-shadows", "24")
+    expected = the_hash(program, tmp_path, assets / "models/teapot.obj", "--resolution", "80x60", "--env-shadows", "24")
     assert shadowed.hash == expected != open_.hash
     assert scene.render(size=(80, 60)).hash == open_.hash
     with pytest.raises(ValueError, match="env_shadows"):
