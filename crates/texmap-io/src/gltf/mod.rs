@@ -4,6 +4,7 @@ mod accessor;
 mod animation;
 mod cameras;
 mod container;
+mod coverage;
 mod extensions;
 mod geometry;
 mod images;
@@ -62,6 +63,7 @@ pub(crate) fn read(
     scene.materials = described.into_iter().map(|d| d.material).collect();
     phong::refine(&mut scene.materials, &scene.textures);
     scene.meshes = meshes;
+    coverage::keep_coverage(&mut scene, options.files.memory());
     present(&mut scene, options);
     let lights = lights::lights(&mut model, &tree)?;
     let contents_lights = lights.len();

@@ -44,22 +44,24 @@ mod tests {
 
     #[test]
     fn models_far_from_the_origin_are_coarse() {
-        let warning = |offset: f32| {
+        let of = |shift: &dyn Fn(&mut [f32; 3])| {
             let mut mesh = Mesh::cube();
-            mesh.positions.iter_mut().for_each(|p| p[1] += offset);
+            mesh.positions.iter_mut().for_each(shift);
             coarse(&Scene {
                 meshes: vec![mesh],
                 ..Scene::new(Camera::look_at([0.0, 0.0, 5.0], [0.0; 3]))
             })
         };
+        let warning = |offset: f32| of(&|p| p[1] += offset);
         assert_eq!(warning(0.0), None);
         assert_eq!(warning(500.0), None);
         let text = warning(4_649_776.0).unwrap();
         assert!(
-            text.contains("y = 4649776") && text.contains("steps of 0.5"),
+            text.contains("y = 4649777") && text.contains("steps of 0.5"),
             "{text}"
         );
         assert!(warning(-3_000_000.0).is_some());
-        assert!(warning(1e9).unwrap().contains("0 wide"));
+        let collapsed = of(&|p| *p = p.map(|c| c * 1e-3 + 1e6));
+        assert!(collapsed.unwrap().contains("is 0 wide"));
     }
 }
