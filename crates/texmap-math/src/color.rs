@@ -141,6 +141,13 @@ pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
+/// [`luminance`] in f64.
+#[must_use]
+#[inline]
+pub fn luminance_f64([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// Straight colour of a premultiplied one; black where alpha is 0, less or NaN.
 #[must_use]
 #[inline]

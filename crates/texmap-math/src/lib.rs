@@ -83,6 +83,7 @@ pub mod edge;
 pub mod fixed;
 pub mod float;
 pub mod footprint;
+pub mod hilbert;
 pub mod homography;
 pub mod interpolation;
 #[doc(hidden)]

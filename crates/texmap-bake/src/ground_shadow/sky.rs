@@ -1,8 +1,9 @@
 //! The light above the ground as directions: equal shares of the light from all around, and of each sun.
 
 use texmap_light::Light;
-use texmap_math::deterministic_f64;
+use texmap_math::color::luminance_f64;
 use texmap_math::glam::DVec3;
+use texmap_math::{deterministic_f64, hilbert};
 use texmap_scene::Scene;
 
 use super::{Place, across};
@@ -18,10 +19,7 @@ const INSIDE: u32 = 16;
 
 /// Directions to the light in the directions of the axes, and what the ground receives from each.
 pub(super) fn sky(scene: &Scene, place: &Place) -> Vec<(DVec3, f64)> {
-    let luminance = |c: [f32; 3]| {
-        let [r, g, b] = c.map(f64::from);
-        0.2126 * r + 0.7152 * g + 0.0722 * b
-    };
+    let luminance = |c: [f32; 3]| luminance_f64(c.map(f64::from));
     let ambient = scene.lights.iter().filter_map(|light| match light {
         Light::Ambient { color } => Some(luminance(*color)),
         _ => None,
@@ -101,18 +99,7 @@ fn shares(radiance: impl Fn(DVec3) -> f64) -> Vec<(DVec3, f64)> {
 /// The direction to the middle of a square of `side` places around place `at` of a Hilbert curve through the square over the disk of
 /// directions (Shirley and Chiu 1997), as the ground receives them: equal areas are equal shares of an even sky.
 fn curve(at: u32, side: u32) -> DVec3 {
-    let (mut x, mut y, mut rest, mut size) = (0, 0, at, 1);
-    while size < CELLS * INSIDE {
-        let (right, down) = ((rest / 2) & 1, (rest ^ (rest / 2)) & 1);
-        if down == 0 {
-            if right == 1 {
-                (x, y) = (size - 1 - x, size - 1 - y);
-            }
-            (x, y) = (y, x);
-        }
-        (x, y) = (x + size * right, y + size * down);
-        (rest, size) = (rest / 4, size * 2);
-    }
+    let (x, y) = hilbert::cell(at, CELLS * INSIDE);
     let middle = |c: u32| {
         let c = f64::from(c / side * side) + 0.5 * f64::from(side);
         2.0 * c / f64::from(CELLS * INSIDE) - 1.0

@@ -2,7 +2,9 @@
 
 use alloc::vec::Vec;
 
+use texmap_math::color::luminance_f64;
 use texmap_math::glam::{DVec2, DVec3};
+use texmap_math::hilbert;
 
 use super::EnvironmentLight;
 use crate::EnvironmentLayout;
@@ -41,7 +43,7 @@ impl EnvironmentLight {
                 false => even,
             }
         };
-        // The place of a direction inside its part: middles of all would be a grid, whose shadows fall together.
+        // Directions lie anywhere inside of their parts: middles of all would be a grid, whose shadows fall together.
         const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let mut samples = Vec::new();
         let (mut before, mut sum, mut direction) = (0.0, DVec2::ZERO, DVec3::Z);
@@ -96,7 +98,7 @@ impl EnvironmentLight {
         let mut texels = Vec::with_capacity(6 * size as usize * size as usize);
         let end = |block: u32| block * size / BLOCKS;
         for face in 0..6 {
-            for (right, down) in (0..BLOCKS * BLOCKS).map(|at| hilbert(at, BLOCKS)) {
+            for (right, down) in (0..BLOCKS * BLOCKS).map(|at| hilbert::cell(at, BLOCKS)) {
                 let rows = end(down)..end(down + 1);
                 for (y, x) in rows.flat_map(|y| (end(right)..end(right + 1)).map(move |x| (y, x))) {
                     let uv = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / f64::from(size);
@@ -105,10 +107,9 @@ impl EnvironmentLight {
                     let way = direction / direction.abs().max_element();
                     let length = way.length();
                     let angle = 4.0 / f64::from(size * size) / (length * length * length);
-                    let [r, g, b] = self.rough.texel(face, x, y).map(f64::from);
                     texels.push(Texel {
                         direction,
-                        luminance: 0.2126 * r + 0.7152 * g + 0.0722 * b,
+                        luminance: luminance_f64(self.rough.texel(face, x, y).map(f64::from)),
                         angle,
                     });
                 }
@@ -131,23 +132,6 @@ impl Texel {
     fn light_and_angle(&self) -> DVec2 {
         DVec2::new(self.luminance * self.angle, self.angle)
     }
-}
-
-/// Place `at` of the Hilbert curve through a square of `side` places, a power of two.
-fn hilbert(at: u32, side: u32) -> (u32, u32) {
-    let (mut x, mut y, mut rest, mut size) = (0, 0, at, 1);
-    while size < side {
-        let (right, down) = ((rest / 2) & 1, (rest ^ (rest / 2)) & 1);
-        if down == 0 {
-            if right == 1 {
-                (x, y) = (size - 1 - x, size - 1 - y);
-            }
-            (x, y) = (y, x);
-        }
-        (x, y) = (x + size * right, y + size * down);
-        (rest, size) = (rest / 4, size * 2);
-    }
-    (x, y)
 }
 
 #[cfg(test)]
