@@ -82,6 +82,12 @@ impl Default for Mesh {
 }
 
 impl Mesh {
+    /// Its vertices in world space.
+    pub fn world_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let points = self.positions.iter();
+        points.map(|p| self.world_from_object.transform_point3(wide(*p)))
+    }
+
     /// Source face of a triangle, see [`faces`](Self::faces).
     #[must_use]
     pub fn face(&self, triangle: u32) -> u32 {

@@ -7,8 +7,7 @@ use texmap_math::camera::Camera;
 use texmap_raster::DepthTest;
 use texmap_sample::Texture2d;
 
-use crate::BlendOrder;
-use crate::{Effects, Material, Mesh};
+use crate::{BlendOrder, Effects, Material, Mesh, Shading};
 
 /// Everything that is drawn. A scene is data: `texmap_render::render` reads it and changes nothing.
 #[derive(Clone, Debug)]
@@ -56,6 +55,13 @@ impl Scene {
             effects: Effects::default(),
             warnings: Vec::new(),
         }
+    }
+
+    /// True if some surface shows the light of an environment.
+    #[must_use]
+    pub fn reads_environment(&self) -> bool {
+        let mut materials = self.materials.iter();
+        materials.any(|m| m.metallic_roughness.is_some() && m.shading == Shading::PerPixel)
     }
 
     /// The roughnesses at which surfaces reflect the environment light.

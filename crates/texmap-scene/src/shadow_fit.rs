@@ -1,11 +1,10 @@
 //! Shadow maps fitted to a scene: the square, pyramid or cube of directions that a light sees, its size and its bias.
 
-use crate::{AlphaMode, Mesh, Shading};
 use texmap_light::{EnvironmentSample, Light, LightCone, ShadowBias, ShadowKind};
 use texmap_math::camera::Camera;
 use texmap_math::glam::{DMat4, DVec3};
 
-use crate::{Scene, SceneError};
+use crate::{AlphaMode, Mesh, Scene, SceneError};
 use texmap_math::wide;
 
 /// Cosine and tangent of 85 degrees, half the widest pyramid.
@@ -125,12 +124,9 @@ pub fn environment_shadows(scene: &Scene) -> (Vec<(EnvironmentSample, ShadowKind
         let alpha = scene.materials[mesh.material].alpha;
         !mesh.casts_no_shadow && alpha != AlphaMode::Blend
     });
-    let (centre, half) = square_around(casters.flat_map(positions_in_world));
-    let bias = ShadowBias::Planes(2e-4 * half);
-    let lit = scene.materials.iter().any(|material| {
-        material.metallic_roughness.is_some() && material.shading == Shading::PerPixel
-    });
-    let light = scene.effects.environment_light.as_ref().filter(|_| lit);
+    let (centre, half) = square_around(casters.flat_map(Mesh::world_positions));
+    let light = scene.effects.environment_light.as_ref();
+    let light = light.filter(|_| scene.reads_environment());
     let samples = light.map(|light| light.samples(scene.effects.environment_shadows));
     let shadows = samples.into_iter().flatten().map(|sample| {
         let direction = -wide(sample.direction);
@@ -140,7 +136,7 @@ pub fn environment_shadows(scene: &Scene) -> (Vec<(EnvironmentSample, ShadowKind
         };
         (sample, kind)
     });
-    (shadows.collect(), bias)
+    (shadows.collect(), bias_of(half))
 }
 
 /// Centre and half a side of a square that holds everything from any direction: of the ball around the box.
@@ -166,12 +162,7 @@ fn square_around(points: impl Iterator<Item = DVec3>) -> (DVec3, f64) {
 
 /// All vertices, world space.
 pub fn world_positions(scene: &Scene) -> impl Iterator<Item = DVec3> + '_ {
-    scene.meshes.iter().flat_map(positions_in_world)
-}
-
-fn positions_in_world(mesh: &Mesh) -> impl Iterator<Item = DVec3> + '_ {
-    let points = mesh.positions.iter();
-    points.map(|p| mesh.world_from_object.transform_point3(wide(*p)))
+    scene.meshes.iter().flat_map(Mesh::world_positions)
 }
 
 /// World to the space of a light at `position` that looks along `direction` (not zero).
@@ -204,7 +195,10 @@ fn toward(position: DVec3, direction: DVec3) -> DMat4 {
 /// acne, at creases neither, nor light that leaks, with maps of `texmap_render::shadow_map_for`.
 #[must_use]
 pub fn shadow_bias(scene: &Scene) -> ShadowBias {
-    let (_, half) = bounding_square(scene);
+    bias_of(bounding_square(scene).1)
+}
+
+fn bias_of(half: f64) -> ShadowBias {
     ShadowBias::Planes(2e-4 * half)
 }
 

@@ -17,9 +17,7 @@ use texmap_scene::Scene;
 
 pub use bounds::Bounds;
 pub use bright_lights::dim_bright_lights;
-pub use model_light::{
-    light_as_model, light_dark_surfaces, light_model, metallic_surfaces, reads_environment,
-};
+pub use model_light::{light_as_model, light_dark_surfaces, light_model, metallic_surfaces};
 pub use studio::{light_by_studio, renew_studio, studio};
 
 /// The axis of a model that points up.

@@ -48,7 +48,7 @@ pub fn metallic_surfaces(scene: &mut Scene) {
 /// Lights a model by the studio where its surfaces show it, or where it is seen `behind` them. Lights that the file brought
 /// stay, and an environment does.
 pub fn light_model(scene: &mut Scene, up: Up, behind: bool) {
-    let wanted = reads_environment(scene) || behind;
+    let wanted = scene.reads_environment() || behind;
     if wanted && scene.color == ColorMode::Srgb && scene.effects.environment_light.is_none() {
         let brought = std::mem::take(&mut scene.lights);
         light_by_studio(scene, up);
@@ -57,13 +57,6 @@ pub fn light_model(scene: &mut Scene, up: Up, behind: bool) {
             scene.lights = brought;
         }
     }
-}
-
-/// True if some surface shows the light of an environment.
-#[must_use]
-pub fn reads_environment(scene: &Scene) -> bool {
-    let mut materials = scene.materials.iter();
-    materials.any(|m| m.metallic_roughness.is_some() && m.shading == Shading::PerPixel)
 }
 
 /// True if some surface is dark without lights.

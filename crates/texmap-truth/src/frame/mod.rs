@@ -233,8 +233,5 @@ fn pixel(world: &World<'_>, x: u32, y: u32, samples: u32) -> Pixel {
 
 /// The world positions of a mesh's vertices.
 pub(crate) fn world(mesh: &Mesh) -> Vec<DVec3> {
-    mesh.positions
-        .iter()
-        .map(|p| mesh.world_from_object.transform_point3(wide(*p)))
-        .collect()
+    mesh.world_positions().collect()
 }

@@ -7,12 +7,11 @@ use clap::{Args, ValueEnum};
 use texmap_bake::GroundShadow;
 use texmap_io::framing::{
     Up, auto_lights, dim_bright_lights, light_dark_surfaces, light_model, metallic_surfaces,
-    reads_environment, renew_studio, studio,
+    renew_studio, studio,
 };
 use texmap_light::{EnvironmentLayout, EnvironmentLight, Prefilter, Roughnesses, ToneMap};
 use texmap_math::camera::Camera;
-use texmap_math::glam::DVec3;
-use texmap_scene::{Background, ColorMode, Material, Scene};
+use texmap_scene::{Background, ColorMode, Material, Mesh, Scene};
 
 use crate::failure::{Failure, Refusal};
 
@@ -163,17 +162,19 @@ impl LightArgs {
                 let wanted = scene.roughnesses() | self.further();
                 scene.effects.environment_light = Some(environment(env, up, wanted)?);
                 scene.effects.tone_mapping.map = ToneMap::PbrNeutral;
-                if !reads_environment(scene) && !behind {
+                if !scene.reads_environment() && !behind {
                     let warning = "--env: no surface is metallic-roughness, so that nothing shows its light; --shading metallic-roughness makes all of them so";
                     scene.warnings.push(warning.to_owned());
-                } else if !scene_file && reads_environment(scene) && scene.lights == auto_lights(up)
+                } else if !scene_file
+                    && scene.reads_environment()
+                    && scene.lights == auto_lights(up)
                 {
                     scene.lights.clear();
                 }
             }
         }
         scene.effects.environment_shadows = self.env_shadows;
-        let some = scene.effects.environment_light.is_some() && reads_environment(scene);
+        let some = scene.effects.environment_light.is_some() && scene.reads_environment();
         if self.env_shadows > 0 && !some {
             let warning = "--env-shadows: light from all around reaches no surface, so that none is kept away";
             scene.warnings.push(warning.to_owned());
@@ -229,13 +230,9 @@ pub(crate) fn hold_ground(scene: &Scene, camera: &mut Camera) {
     }
     let along = (camera.look - camera.eye).normalize_or_zero();
     let ground = scene.meshes.iter().filter(|mesh| mesh.casts_no_shadow);
-    let depths = ground.flat_map(|mesh| {
-        let points = mesh.positions.iter();
-        points.map(|p| {
-            let p = DVec3::from(p.map(f64::from));
-            (mesh.world_from_object.transform_point3(p) - camera.eye).dot(along)
-        })
-    });
+    let depths = ground
+        .flat_map(Mesh::world_positions)
+        .map(|p| (p - camera.eye).dot(along));
     let (near, far) = depths.fold((camera.near, camera.far), |(near, far), depth| {
         (near.min(depth), far.max(depth))
     });
