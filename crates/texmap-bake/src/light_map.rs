@@ -260,15 +260,6 @@ mod tests {
 
     /// A floor under many equal lights from above.
     fn floor(lights: usize) -> Scene {
-        let camera = Camera {
-            eye: DVec3::new(0.0, 2.0, 2.0),
-            look: DVec3::ZERO,
-            up: DVec3::Y,
-            fov_x: 1.0,
-            near: 1e-4,
-            far: f64::INFINITY,
-            lens: Default::default(),
-        };
         let light = Light::Directional {
             color: [1.0 / lights as f32; 3],
             direction: [0.0, -1.0, 0.0],
@@ -282,7 +273,7 @@ mod tests {
                 [1.0, 0.0, 1.0],
                 [-1.0, 0.0, 1.0],
             ])],
-            ..Scene::new(camera)
+            ..Scene::new(Camera::look_at([0.0, 2.0, 2.0], [0.0; 3]))
         }
     }
 

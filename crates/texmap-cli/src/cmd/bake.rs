@@ -267,7 +267,7 @@ fn outputs(args: &BakeArgs, scene: &Scene, meshes: &[usize]) -> Result<Vec<PathB
     Ok(objects.iter().map(name).collect())
 }
 
-/// What stands for `{object}` in the names of the files of meshes, given by number and name: no two are equal.
+/// Replacements of `{object}` in the names of the files of meshes, given by number and name: no two are equal.
 fn file_parts<'a>(meshes: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
     // Names of faces without a `name` line hold paths and colons.
     let letter = |c: char| {

@@ -137,9 +137,7 @@ def render(
         scene = _with_environment(scene, env, env_rotate, exposure, tone_map, behind)
     elif tone_map is not None or exposure != 1.0 or env_rotate != 0.0:
         raise ValueError("exposure, tone_map and env_rotate go with env=")
-    env_shadows = whole(env_shadows, "env_shadows", 0)
-    if env_shadows > 256:
-        raise ValueError(f"env_shadows: expected 0 to 256 directions, got {env_shadows}")
+    env_shadows = whole(env_shadows, "env_shadows", 0, 256)
     if env is None and (env_shadows or (background is not None and not behind)):
         scene = Scene(_inner=scene._inner.copied())
     if env_shadows:

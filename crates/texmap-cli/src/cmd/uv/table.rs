@@ -288,7 +288,7 @@ mod tests {
         let refused = ask_for_json(&found, true, budget).unwrap_err();
         assert!(refused.to_string().contains("39201 triangles"), "{refused}");
         assert!(refused.lower.contains("--per-triangle"));
-        // What is asked for holds the text three times.
+        // The memory asked for holds the text three times.
         let text = serde_json::to_string_pretty(&json(Path::new("a.obj"), &found, &[], true));
         let text = text.unwrap().len() as u64;
         assert!(3 * text <= refused.bytes, "{text} of {}", refused.bytes);
