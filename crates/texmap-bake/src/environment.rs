@@ -1,6 +1,6 @@
 //! Six views from a point: what a mirror there would show.
 
-use texmap_light::{Environment, EnvironmentLayout};
+use texmap_light::{Environment, EnvironmentLayout, ToneMap};
 use texmap_math::MemoryBudget;
 use texmap_math::camera::Camera;
 use texmap_math::color::srgb_to_linear;
@@ -8,7 +8,7 @@ use texmap_math::glam::{DVec2, DVec3};
 use texmap_scene::SceneError;
 
 use texmap_render::{Aov, AovData, RenderError, RenderSettings, render};
-use texmap_scene::{ColorMode, Mesh, Scene};
+use texmap_scene::{ColorMode, Mesh, Scene, ToneMapping};
 
 /// The environment of a mesh as a cube of `size` x `size` texels a face: the scene without the mesh, seen from the middle of its box
 /// (SUSTech CS lecture 08). Its light has the 8 bits of frames, 1 at most. A mirror that uses it is right for small objects and far
@@ -29,9 +29,8 @@ pub fn capture_environment(
     capture(around, center, size, Captured::Display)
 }
 
-/// The environment of a point, as [`capture_environment`] makes that of a mesh, but in linear light that is not rounded and without tone
-/// mapping, as [`Aov::Color`](texmap_render::Aov::Color) holds it: surfaces of the classic model end at 1. `hidden` meshes are left out, by
-/// index.
+/// The environment of a point, as [`capture_environment`] makes that of a mesh, but in linear light that is neither rounded nor
+/// clipped, without tone mapping: colours that are lit at vertices and volumes alone end at 1. `hidden` meshes are left out, by index.
 ///
 /// # Errors
 /// [`SceneError::Index`] for a mesh that does not exist, [`SceneError::Value`] for a point that is not finite or an environment of no
@@ -132,7 +131,10 @@ fn capture(
     )?;
     let (color, near, far) = (around.color, around.camera.near, around.camera.far);
     if kept == Captured::Light {
-        around.effects.tone_mapping = Default::default();
+        around.effects.tone_mapping = ToneMapping {
+            exposure: 1.0,
+            map: ToneMap::Unclipped,
+        };
     }
     let mut settings = RenderSettings::new(size, size);
     if kept == Captured::Light {

@@ -26,7 +26,7 @@
 //! ```
 //!
 //! # Limits
-//! Direct light alone. Environments of meshes hold the 8 bits of frames, those of points linear light as floats; surfaces of the classic model end at 1 in both.
+//! Direct light alone. Environments of meshes hold the 8 bits of frames, those of points linear light as floats, which does not end at 1.
 #![forbid(unsafe_code)]
 
 mod environment;

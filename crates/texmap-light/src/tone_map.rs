@@ -1,4 +1,4 @@
-//! Tone mapping: light without an upper end brought to 0 to 1.
+//! Tone mapping: light without an upper end brought to 0 to 1, or kept for pictures of floats.
 
 use core::fmt;
 use core::str::FromStr;
@@ -8,13 +8,17 @@ use texmap_math::simd::{Isa, Scalar, prelude::*};
 
 use crate::lanes::Vector;
 
-/// A curve from light without an upper end to display light from 0 to 1, before its encoding as sRGB.
+/// A curve from light without an upper end to display light, before its encoding as sRGB. Display light ends at 1, but for
+/// [`Unclipped`](Self::Unclipped).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ToneMap {
-    /// Cut at 1.
+    /// Clipped at 1.
     #[default]
     None,
+    /// Light as it is, for pictures of floats. Whole numbers clip it after samples are averaged and surfaces blended, so that edges of
+    /// bright surfaces are not smooth in them.
+    Unclipped,
     /// Khronos PBR Neutral (2024): colours whose channels stay below 0.76 are kept but for a small offset, brighter ones are
     /// compressed and fade to white.
     PbrNeutral,
@@ -77,20 +81,36 @@ const AGX_CONTRAST: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.
 
 impl ToneMap {
     /// Every tone mapping.
-    pub const ALL: [Self; 4] = [Self::None, Self::PbrNeutral, Self::Aces, Self::Agx];
+    pub const ALL: [Self; 5] = [
+        Self::None,
+        Self::Unclipped,
+        Self::PbrNeutral,
+        Self::Aces,
+        Self::Agx,
+    ];
 
     /// The name in files and flags.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
+            Self::Unclipped => "unclipped",
             Self::PbrNeutral => "pbr-neutral",
             Self::Aces => "aces",
             Self::Agx => "agx",
         }
     }
 
-    /// Display light, linear, of light times `exposure`: 0 to 1 for light that is not negative. NaN gives 0.
+    /// The upper end of display light: 1, and 1e9 where it is not clipped.
+    #[must_use]
+    pub const fn limit(self) -> f32 {
+        match self {
+            Self::Unclipped => 1e9,
+            _ => 1.0,
+        }
+    }
+
+    /// Display light, linear, of light times `exposure`: 0 to [`limit`](Self::limit). Negative light and NaN give 0.
     #[must_use]
     pub fn apply(self, exposure: f32, light: [f32; 3]) -> [f32; 3] {
         self.apply_lanes(Scalar, exposure, light)
@@ -99,7 +119,7 @@ impl ToneMap {
     /// [`apply`](Self::apply) in lanes; outside of semantic versioning.
     #[inline(always)]
     pub fn apply_lanes<I: Isa>(self, i: I, exposure: f32, light: Vector<I>) -> Vector<I> {
-        let (zero, one) = (i.f32(0.0), i.f32(1.0));
+        let (zero, limit) = (i.f32(0.0), i.f32(self.limit()));
         // Products stay finite.
         let most = i.f32(1e9);
         let mut c = light;
@@ -107,13 +127,13 @@ impl ToneMap {
             *c = (*c * exposure).clamp(zero, most);
         }
         let mut out = match self {
-            Self::None => c,
+            Self::None | Self::Unclipped => c,
             Self::PbrNeutral => neutral(i, c),
             Self::Aces => aces(i, c),
             Self::Agx => agx(i, c),
         };
         for out in &mut out {
-            *out = out.clamp(zero, one);
+            *out = out.clamp(zero, limit);
         }
         out
     }
@@ -239,6 +259,8 @@ mod tests {
         };
         near(ToneMap::None, 0.18, 0.18);
         near(ToneMap::None, 3.0, 1.0);
+        near(ToneMap::Unclipped, 0.18, 0.18);
+        near(ToneMap::Unclipped, 3.0, 3.0);
         // x = 0.18 / 0.6 = 0.3: 0.097283 / 0.456502.
         near(ToneMap::Aces, 0.18, 0.2131);
         // x = 1 / 0.6: 2.818651 / 3.692250.

@@ -52,7 +52,7 @@ use gain::Lighting;
 pub use lights::{IdleLight, ShadowChoice};
 use pilot::{PixelSamples, pixel_grid};
 pub use prices::{Price, prices};
-use texmap_scene::{Mesh, Scene, ToneMapping};
+use texmap_scene::{Mesh, Scene};
 use view::View;
 
 /// Chooses for a picture of this size: with one sample a pixel if that can keep the budget, else with 2 x 2 or 4 x 4. If none
@@ -83,7 +83,7 @@ pub fn choose_sampled(
 ) -> Result<Choices, SceneError> {
     scene.check()?;
     scene.check_tessellated()?;
-    if scene.effects.tone_mapping != ToneMapping::default() {
+    if !scene.effects.tone_mapping.is_identity() {
         return Err(SceneError::Value {
             place: "plan".to_owned(),
             what: "tone mapping".to_owned(),

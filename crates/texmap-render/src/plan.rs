@@ -163,7 +163,9 @@ fn sky<'s>(
         Background::Picture(slot) => {
             let slot = chains.slot(slot, scene, settings, Origin::TopLeft);
             surface.solid = !slot.can_be_transparent();
-            surface.unlit = UnlitColor::new(surface.material, Some(&slot), scene.color);
+            let limit = scene.effects.tone_mapping.map.limit();
+            let unlit = UnlitColor::new(surface.material, Some(&slot), scene.color);
+            surface.unlit = unlit.map(|color| color.with_limit(limit));
             surface.uv = Coordinates::Vertices;
             surface.base_color = Some(slot);
         }

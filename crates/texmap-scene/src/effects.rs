@@ -50,8 +50,16 @@ pub struct ToneMapping {
     pub map: ToneMap,
 }
 
+impl ToneMapping {
+    /// True if light stays as it is, but for a clip at 1.
+    #[must_use]
+    pub fn is_identity(self) -> bool {
+        self.exposure == 1.0 && matches!(self.map, ToneMap::None | ToneMap::Unclipped)
+    }
+}
+
 impl Default for ToneMapping {
-    /// Light as it is, cut at 1.
+    /// Light as it is, clipped at 1.
     fn default() -> Self {
         Self {
             exposure: 1.0,

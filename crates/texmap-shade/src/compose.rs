@@ -25,17 +25,17 @@ pub struct Compose<'a> {
 pub enum Display {
     /// Light is display light as it is.
     Done,
-    /// Clipped at 1.
-    Clipped,
+    /// Clipped at this value: 1, or the [limit](texmap_light::ToneMap::limit) of light that is not clipped.
+    Clipped(f32),
     /// Exposed and mapped light.
     Mapped(ToneMapping),
 }
 
 impl Display {
-    /// Nothing to do for the identity.
+    /// No more than a clip for the identity.
     pub fn new(mapping: ToneMapping) -> Self {
-        if mapping == ToneMapping::default() {
-            Self::Clipped
+        if mapping.is_identity() {
+            Self::Clipped(mapping.map.limit())
         } else {
             Self::Mapped(mapping)
         }
@@ -45,9 +45,9 @@ impl Display {
     pub(crate) fn of<I: Isa>(self, i: I, light: Vector<I>) -> Vector<I> {
         match self {
             Self::Done => light,
-            Self::Clipped => {
-                let (one, [r, g, b]) = (i.f32(1.0), light);
-                [r.below(one), g.below(one), b.below(one)]
+            Self::Clipped(limit) => {
+                let (limit, [r, g, b]) = (i.f32(limit), light);
+                [r.below(limit), g.below(limit), b.below(limit)]
             }
             Self::Mapped(mapping) => mapped(i, mapping, light),
         }

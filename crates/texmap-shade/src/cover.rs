@@ -16,6 +16,8 @@ pub struct Cover<'a> {
     pub base: BaseColor<'a>,
     /// Projectors on the texels.
     pub projected: Option<Projection<'a>>,
+    /// The upper end of colors: 1, or the [limit](texmap_light::ToneMap::limit) of light that is not clipped.
+    pub limit: f32,
 }
 
 /// Projectors on texels that are display light: paint covers them, then light is added, `texel + display(texel * diffuse + highlight)`.
@@ -36,6 +38,7 @@ impl Projection<'_> {
         columns: &ShadeColumns,
         part: &Part,
         texel: [I::F32; 4],
+        limit: I::F32,
     ) -> [I::F32; 4] {
         let at = part.at;
         let mut color = self.paint.over(i, inputs, part, straight(i, texel));
@@ -50,9 +53,9 @@ impl Projection<'_> {
                 color[k] = color[k] + light[k];
             }
         }
-        let (one, alpha) = (i.f32(1.0), texel[3]);
+        let alpha = texel[3];
         let [r, g, b] = color;
-        let (r, g, b) = (r.below(one), g.below(one), b.below(one));
+        let (r, g, b) = (r.below(limit), g.below(limit), b.below(limit));
         [r * alpha, g * alpha, b * alpha, alpha]
     }
 }
@@ -64,13 +67,13 @@ impl Kernel for Cover<'_> {
 
     #[inline(always)]
     fn lanes<I: Isa>(&self, i: I, inputs: &Inputs<'_>, columns: &mut ShadeColumns) {
-        let (base, one) = (&self.base, i.f32(1.0));
+        let (base, one, limit) = (&self.base, i.f32(1.0), i.f32(self.limit));
         for part in parts(i, inputs.batch.list) {
             let at = part.at;
             let texel = base.texel(i, &columns.base, at);
             let mut texel = base.under_decal(i, &columns.base, at, texel);
             if let Some(projected) = &self.projected {
-                texel = projected.onto(i, inputs, columns, &part, texel);
+                texel = projected.onto(i, inputs, columns, &part, texel, limit);
             }
             let [r, g, b, alpha] = texel;
             if base.alpha == AlphaMode::Opaque {
@@ -80,7 +83,7 @@ impl Kernel for Cover<'_> {
                 let mut color = [r, g, b, one];
                 for k in 0..3 {
                     let mixed = clear.select(color[k] + keep * under[k], color[k]);
-                    color[k] = mixed.below(one);
+                    color[k] = mixed.below(limit);
                 }
                 columns.color.store(i, at, color);
                 continue;
@@ -90,7 +93,7 @@ impl Kernel for Cover<'_> {
                 _ => one,
             };
             let [r, g, b] = straight(i, texel);
-            let (r, g, b) = (r.below(one), g.below(one), b.below(one));
+            let (r, g, b) = (r.below(limit), g.below(limit), b.below(limit));
             let color = [r * alpha, g * alpha, b * alpha, alpha];
             columns.color.store(i, at, color);
         }

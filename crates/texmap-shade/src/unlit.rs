@@ -24,6 +24,8 @@ pub struct UnlitColor {
     opaque_texels: bool,
     /// Texels are bytes.
     bytes: bool,
+    /// The upper end of colors.
+    limit: f32,
     /// True if the bytes are the encoded pixels where nothing blends.
     exact: bool,
 }
@@ -53,8 +55,15 @@ impl UnlitColor {
             blends: material.alpha == AlphaMode::Blend,
             opaque_texels,
             bytes,
+            limit: 1.0,
             exact: bytes && mode == ColorMode::Raw && opaque_texels && tint == [1.0; 3],
         })
+    }
+
+    /// Colors that end at `limit` in the place of 1.
+    #[must_use]
+    pub fn with_limit(self, limit: f32) -> Self {
+        Self { limit, ..self }
     }
 
     /// True if all colors are opaque.
@@ -88,7 +97,8 @@ impl UnlitColor {
         // A factor of one changes nothing, and bytes are not above one.
         if !(self.bytes && self.opaque_texels && self.tint == [1.0; 3]) {
             (r, g, b) = (r * self.tint[0], g * self.tint[1], b * self.tint[2]);
-            (r, g, b) = (r.below(one), g.below(one), b.below(one));
+            let limit = i.f32(self.limit);
+            (r, g, b) = (r.below(limit), g.below(limit), b.below(limit));
         }
         [r * alpha, g * alpha, b * alpha, alpha]
     }

@@ -10,12 +10,12 @@ use crate::ToneMap;
 pub fn tone_map(map: ToneMap, exposure: f64, light: DVec3) -> DVec3 {
     let c = (light * exposure).clamp(DVec3::ZERO, DVec3::splat(1e9));
     let out = match map {
-        ToneMap::None => c,
+        ToneMap::None | ToneMap::Unclipped => c,
         ToneMap::PbrNeutral => neutral(c),
         ToneMap::Aces => aces(c),
         ToneMap::Agx => agx(c),
     };
-    out.clamp(DVec3::ZERO, DVec3::ONE)
+    out.clamp(DVec3::ZERO, DVec3::splat(f64::from(map.limit())))
 }
 
 fn neutral(c: DVec3) -> DVec3 {

@@ -170,12 +170,13 @@ fn stages<'a>(
 ) -> Stages<'a> {
     let mut out: Stages<'a> = Vec::new();
     let display = Display::new(plan.tone_mapping);
+    let limit = plan.tone_mapping.map.limit();
     let covering = covers.then(|| covering(display, &lights, &paint));
     if covers && hides_surface(&base) {
         if !lights.is_empty() {
             normals(&mut out, plan, surface, &lights, paired_normals);
         }
-        cover(&mut out, surface.material, base, maps, covering);
+        cover(&mut out, surface.material, base, maps, covering, limit);
         return out;
     }
     let lit = match surface.light {
@@ -201,7 +202,7 @@ fn stages<'a>(
                     lights,
                     paint,
                 );
-                cover(&mut out, surface.material, base, maps, covering);
+                cover(&mut out, surface.material, base, maps, covering, limit);
                 return out;
             }
             light(&mut out, plan, surface, maps, lights);
@@ -237,15 +238,17 @@ fn stages<'a>(
         lit,
         transmits: false,
         display: match surface.light {
-            LightStage::None => Display::Clipped,
+            LightStage::None => Display::Clipped(limit),
             // Finished colors are clipped at the vertices.
-            LightStage::Colors(_) if surface.emission.is_none() && display == Display::Clipped => {
+            LightStage::Colors(_)
+                if surface.emission.is_none() && matches!(display, Display::Clipped(_)) =>
+            {
                 Display::Done
             }
             _ => display,
         },
     }));
-    cover(&mut out, surface.material, base, maps, covering);
+    cover(&mut out, surface.material, base, maps, covering, limit);
     out
 }
 
@@ -278,6 +281,7 @@ fn cover<'a>(
     base: BaseColor<'a>,
     mut maps: [Option<&'a Slot<'a>>; MAPS],
     covering: Option<(Vec<LitBy<'a>>, Option<Projection<'a>>)>,
+    limit: f32,
 ) {
     let Some((lights, projected)) = covering else {
         return;
@@ -286,7 +290,11 @@ fn cover<'a>(
         maps[AMBIENT] = None;
         phong_lights(out, material, maps, lights);
     }
-    out.push(Box::new(Cover { base, projected }));
+    out.push(Box::new(Cover {
+        base,
+        projected,
+        limit,
+    }));
 }
 
 /// The light of a metallic-roughness surface and its final colors.

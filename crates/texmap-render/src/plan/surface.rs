@@ -266,7 +266,8 @@ pub(super) fn surface<'s>(
         && emission.is_none();
     let unlit = (at_a_vertex && is_unlit && plain)
         .then(|| UnlitColor::new(material, base_color.as_ref(), scene.color))
-        .flatten();
+        .flatten()
+        .map(|color| color.with_limit(scene.effects.tone_mapping.map.limit()));
 
     let vertices = vertices.finish(scene, mesh);
     let (width, height) = base_color

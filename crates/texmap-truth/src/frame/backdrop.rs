@@ -17,6 +17,8 @@ const MOST: f64 = 8.0;
 pub(super) struct SampledBackground<'s> {
     scene: &'s Scene,
     color: DVec4,
+    /// The upper end of display light.
+    limit: DVec3,
     sky: Option<Sky<'s>>,
 }
 
@@ -43,6 +45,7 @@ impl<'s> SampledBackground<'s> {
         Self {
             scene,
             color: background(scene),
+            limit: DVec3::splat(f64::from(scene.effects.tone_mapping.map.limit())),
             sky,
         }
     }
@@ -68,7 +71,7 @@ impl<'s> SampledBackground<'s> {
                     dx: DVec2::new(1.0 / size.x, 0.0),
                     dy: DVec2::new(0.0, 1.0 / size.y),
                 });
-                let color = straight(texel).min(DVec3::ONE) * texel.w;
+                let color = straight(texel).min(self.limit) * texel.w;
                 over(color.extend(texel.w), self.color)
             }
             Some(Sky::Environment(index)) => match &environments[*index] {

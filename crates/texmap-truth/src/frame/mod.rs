@@ -31,7 +31,7 @@ mod world;
 
 use texmap_math::glam::{DVec3, DVec4};
 use texmap_math::parallel;
-use texmap_scene::{ColorMode, Mesh, Scene, Shading, ToneMapping};
+use texmap_scene::{ColorMode, Mesh, Scene, Shading};
 
 use crate::TruthError;
 use crate::picture::Picture;
@@ -110,7 +110,7 @@ impl Truth {
 
 /// Refuses what would be drawn wrongly.
 fn known(scene: &Scene, traces: bool) -> Result<(), TruthError> {
-    if scene.effects.tone_mapping == ToneMapping::default() {
+    if scene.effects.tone_mapping.is_identity() {
         return Ok(());
     }
     let unsupported = |place: String, what| Err(TruthError::Unsupported { place, what });

@@ -102,5 +102,5 @@ pub(super) fn onto(world: &World<'_>, surface: &Surface<'_>, at: &Point, texel: 
     let paint = paint(world, at);
     let color = paint.truncate() + straight(texel) * (1.0 - paint.w);
     let light = world.display(projected(world, surface, at).color(color));
-    ((color + light).min(DVec3::ONE) * texel.w).extend(texel.w)
+    ((color + light).min(world.limit()) * texel.w).extend(texel.w)
 }

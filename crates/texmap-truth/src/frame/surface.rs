@@ -210,7 +210,8 @@ impl<'s> Surface<'s> {
             .as_ref()
             .map(|slot| self.base_texel(slot, at));
         let label = self.decal.as_ref().map(|slot| slot.texel(at.read(slot)));
-        let opaque = |color: DVec3| color.min(DVec3::ONE).extend(1.0);
+        let limit = world.limit();
+        let opaque = |color: DVec3| color.min(limit).extend(1.0);
         let surface = wide(material.phong.color);
         let (color, alpha, passing) = match (texel, material.texture_role) {
             (Some(texel), TextureRole::Decal) => {
@@ -224,7 +225,7 @@ impl<'s> Surface<'s> {
                     };
                     return opaque(texel.truncate() + under * (1.0 - texel.w));
                 }
-                (straight(texel).min(DVec3::ONE), texel.w, 0.0)
+                (straight(texel).min(limit), texel.w, 0.0)
             }
             (texel, _) => {
                 let mut base = surface * texel.map_or(DVec3::ONE, straight);
@@ -301,7 +302,7 @@ impl<'s> Surface<'s> {
         match material.shading {
             Shading::Unlit => {
                 let color = base * mix(vertices.map(tint)) + emitted;
-                (color.min(DVec3::ONE), 0.0)
+                (color.min(world.limit()), 0.0)
             }
             Shading::PerPixel => {
                 let paint = paint(world, at);
@@ -324,12 +325,12 @@ impl<'s> Surface<'s> {
                         diffuse: mix(tinted),
                         specular: mix(light.map(|terms| terms.specular)),
                     };
-                    return (finished(terms).color(base).min(DVec3::ONE), 0.0);
+                    return (finished(terms).color(base).min(world.limit()), 0.0);
                 }
                 // A term that does not vary is finished, and clipped, at the vertices.
                 let color = |k: usize| light[k].color(base * tint(vertices[k])).min(DVec3::ONE);
                 let color = mix([0, 1, 2].map(color));
-                ((color + emitted).min(DVec3::ONE), 0.0)
+                ((color + emitted).min(world.limit()), 0.0)
             }
         }
     }

@@ -5,7 +5,7 @@ use texmap_math::glam::{DVec2, DVec3};
 use texmap_raster::Cull;
 use texmap_render::{RenderError, shadow_map_for};
 use texmap_scene::shadow_fit::ENVIRONMENT_SHADOW_SIZE;
-use texmap_scene::{Background, Scene, ToneMapping};
+use texmap_scene::{Background, Scene};
 
 use super::backdrop::SampledBackground;
 use super::environment::EnvironmentMap;
@@ -109,6 +109,11 @@ impl<'s> World<'s> {
         display(self.scene, light)
     }
 
+    /// The upper end of display light.
+    pub(super) fn limit(&self) -> DVec3 {
+        DVec3::splat(f64::from(self.scene.effects.tone_mapping.map.limit()))
+    }
+
     /// True if shadows reach the surface of a mesh.
     pub(super) fn has_shadows(&self) -> bool {
         let cast = self.projector_shadows.iter().any(Option::is_some);
@@ -119,8 +124,8 @@ impl<'s> World<'s> {
 /// Display light of light: exposure and tone mapping.
 pub(super) fn display(scene: &Scene, light: DVec3) -> DVec3 {
     let mapping = scene.effects.tone_mapping;
-    if mapping == ToneMapping::default() {
-        return light.min(DVec3::ONE);
+    if mapping.is_identity() {
+        return light.min(DVec3::splat(f64::from(mapping.map.limit())));
     }
     texmap_light::reference::tone_map(mapping.map, f64::from(mapping.exposure), light)
 }

@@ -195,6 +195,10 @@ impl LightArgs {
             None if floats => scene.effects.tone_mapping.map = ToneMap::None,
             None => {}
         }
+        // Floats hold all light.
+        if floats && scene.effects.tone_mapping.map == ToneMap::None {
+            scene.effects.tone_mapping.map = ToneMap::Unclipped;
+        }
         if behind {
             if scene.effects.environment_light.is_none() {
                 return Err(Failure::usage(
@@ -331,7 +335,7 @@ mod tests {
         assert!(modern.effects.environment_light.is_some());
         assert_eq!(modern.effects.tone_mapping.map, ToneMap::PbrNeutral);
         let floats = drawn(&args(), model(), false, true);
-        assert_eq!(floats.effects.tone_mapping.map, ToneMap::None);
+        assert_eq!(floats.effects.tone_mapping.map, ToneMap::Unclipped);
         let classic = LightArgs {
             shading: Some(Model::Classic),
             ..args()
