@@ -88,15 +88,55 @@ fn high<I: Isa>(word: I::U32) -> I::F32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::metallic_roughness::{ggx_albedo, sheen_albedo};
+    use crate::reference::metallic_roughness::{
+        ggx as distribution, ggx_albedo, sheen_albedo, smith,
+    };
     use crate::vector::columns;
+    use texmap_math::glam::DVec3;
+
+    /// Integrals over `n x n` directions of light, which lie close to the horizon and to the mirrored eye.
+    fn over_light(alpha: f64, nv: f64, n: u32) -> [f64; 2] {
+        let view = DVec3::new((1.0 - nv * nv).sqrt(), 0.0, nv);
+        let mut sum = [0.0; 2];
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let [t, w] = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(n));
+            let (nl, angle) = (t * t, core::f64::consts::PI * w * w * w);
+            let s = (1.0 - nl * nl).sqrt();
+            let light = DVec3::new(-s * angle.cos(), s * angle.sin(), nl);
+            let half = (view + light).normalize();
+            // 2 t dt for nl, 3 pi w^2 dw for the angle, and the other half.
+            let share = 12.0 * core::f64::consts::PI * t * w * w / f64::from(n * n);
+            let value = distribution(alpha, half.z) * smith(alpha, nv, nl) * nl * share;
+            let fresnel = (1.0 - view.dot(half)).powi(5);
+            sum = [sum[0] + value * (1.0 - fresnel), sum[1] + value * fresnel];
+        }
+        sum
+    }
+
+    /// By another sum, at grazing incidence too.
+    #[test]
+    fn albedos_are_integrals_over_directions_of_light() {
+        for (r, c) in [
+            (0.4, 0.02),
+            (0.3, 0.2),
+            (0.5, 0.02),
+            (0.8, 0.05),
+            (1.0, 0.6),
+        ] {
+            let expected = over_light(r * r, c, 800);
+            let got = ggx_albedo(r * r, c, 256);
+            for (got, expected) in got.into_iter().zip(expected) {
+                assert!((got - expected).abs() < 5e-3, "{r} {c}: {got} {expected}");
+            }
+        }
+    }
 
     /// Between the steps too; below the first step of the cosine the albedo bends most.
     #[test]
     fn tables_hold_the_integrals() {
         let mut worst = [0.0f64; 2];
-        for r in [0.2f32, 0.31, 0.5, 0.64, 0.83, 1.0] {
-            for c in [0.01f32, 0.03, 0.09, 0.2, 0.37, 0.55, 0.8, 1.0] {
+        for r in [0.2f32, 0.28, 0.31, 0.5, 0.64, 0.83, 1.0] {
+            for c in [0.005f32, 0.01, 0.03, 0.09, 0.2, 0.37, 0.55, 0.8, 1.0] {
                 let alpha = f64::from(r) * f64::from(r);
                 let [a, b] = ggx_albedo(alpha, c.into(), 256);
                 let got = ggx(Scalar, r, c);
@@ -127,7 +167,7 @@ mod tests {
             }
             let average = ggx_average(Scalar, r);
             assert!(
-                (0..2).all(|j| (sum[j] - average[j]).abs() < 1e-3),
+                (0..2).all(|j| (sum[j] - average[j]).abs() < 1.5e-3),
                 "{sum:?} {average:?}"
             );
         }

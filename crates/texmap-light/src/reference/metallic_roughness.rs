@@ -65,24 +65,33 @@ pub fn cloth(alpha: f64, nv: f64, nl: f64) -> f64 {
 }
 
 /// Directional albedo of the GGX lobe under Schlick's Fresnel, as factors of the reflectances head on and at grazing incidence: the
-/// mean over `steps x steps / 2` half vectors.
+/// mean over `steps x steps / 2` half vectors that the eye sees (Heitz 2018), whose weights vary little at every cosine.
 #[must_use]
 pub fn ggx_albedo(alpha: f64, nv: f64, steps: u32) -> [f64; 2] {
     let n = f64::from(steps);
     let view = DVec3::new(sqrt((1.0 - nv * nv).max(0.0)), 0.0, nv);
+    // The eye from the hemisphere that the microfacets are stretched to, and an axis of the disk that it sees of it.
+    let stretched = DVec3::new(alpha * view.x, 0.0, nv).normalize();
+    let up = DVec3::new(-stretched.z, 0.0, stretched.x);
+    let masking = 2.0 * nv / (nv + sqrt(alpha * alpha + (1.0 - alpha * alpha) * nv * nv));
     let mut sum = [0.0; 2];
     for j in 0..steps / 2 {
         // The other half mirrors this one.
-        let (sin, cos) = deterministic_f64::sin_cos((f64::from(j) + 0.5) / n * TAU);
+        let angle = ((f64::from(j) + 0.5) / n - 0.25) * TAU;
+        let (sin, cos) = deterministic_f64::sin_cos(angle);
         for i in 0..steps {
-            let u = (f64::from(i) + 0.5) / n;
-            let c = sqrt((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u));
-            let s = sqrt((1.0 - c * c).max(0.0));
-            let half = DVec3::new(s * cos, s * sin, c);
-            let vh = view.dot(half);
-            let nl = 2.0 * vh * c - nv;
-            if vh > 0.0 && nl > 0.0 {
-                let weight = smith(alpha, nv, nl) * nl * 4.0 * vh / c;
+            let r = sqrt((f64::from(i) + 0.5) / n);
+            let x = r * cos;
+            let whole = sqrt((1.0 - x * x).max(0.0));
+            let seen = 0.5 * (1.0 + stretched.z);
+            let y = whole + (r * sin - whole) * seen;
+            let z = sqrt((1.0 - x * x - y * y).max(0.0));
+            let half = up * y + stretched * z + DVec3::Y * x;
+            let half = DVec3::new(alpha * half.x, alpha * half.y, half.z.max(0.0)).normalize();
+            let vh = view.dot(half).max(0.0);
+            let nl = 2.0 * vh * half.z - nv;
+            if nl > 0.0 {
+                let weight = smith(alpha, nv, nl) * 4.0 * nv * nl / masking;
                 let fresnel = power5(1.0 - vh);
                 sum[0] += weight * (1.0 - fresnel);
                 sum[1] += weight * fresnel;
