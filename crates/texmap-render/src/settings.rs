@@ -138,8 +138,8 @@ pub enum Aov {
     /// surface is not lit per pixel. 1 channel, f32.
     Shadow(u8),
     /// The picture itself before it is encoded: red, green, blue and alpha as linear light (raw values under
-    /// [`ColorMode::Raw`](texmap_scene::ColorMode::Raw)), premultiplied, blended surfaces and background in it, the mean of a pixel's samples. No holes.
-    /// 4 channels, f32.
+    /// [`ColorMode::Raw`](texmap_scene::ColorMode::Raw)), premultiplied, blended surfaces and background in it, the mean of a pixel's samples. Light above 1 is clipped unless the tone mapping
+    /// is [`ToneMap::Unclipped`](texmap_light::ToneMap::Unclipped). No holes. 4 channels, f32.
     Color,
 }
 

@@ -129,7 +129,7 @@ pub struct SurfaceMaps {
     pub reflectivity: Option<TextureSlot>,
 }
 
-/// Light that a surface gives off itself. It is added after the light that the surface receives, clipped at white with it, and is
+/// Light that a surface gives off itself. It is added after the light that the surface receives, clipped at white with it ([unless no light is](ToneMap::Unclipped)), and is
 /// not lit, shadowed or tinted by vertex colours. It lights nothing else. A decal texel that covers the surface covers it too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Emission {

@@ -28,4 +28,5 @@ mod spheres;
 mod stages;
 mod targets;
 mod texture_frame;
+mod unclipped;
 mod views;

@@ -114,7 +114,7 @@ def render(
     env : light from all around: a lat-long picture (path or array (h, 2h, 3), floats are linear light), or ``"none"``: then the lights of
         the scene alone, and automatic ones where surfaces would be dark, unless ``Scene`` was given ``lights``. env_rotate in degrees;
         env_shadows: directions, up to 256, from which that light casts shadows and darkens corners (64 are smooth);
-        exposure is a factor; tone_map: pbr-neutral, aces, agx, none.
+        exposure is a factor; tone_map: pbr-neutral, aces, agx, none (clipped at 1), unclipped (for the array `color` of floats).
     background : colour in sRGB, 0 to 1, or ``"env"`` to show ``env`` behind the scene.
     aovs : names of arrays beside the picture: depth (1 near to 0 far), inv_w, uv, lod, face, mesh, normal, position, color (linear light,
         premultiplied), shadow:LIGHT. Holes are NaN, or 2^32 - 1 in face and mesh. (height, width) for one channel, else with a last axis.

@@ -40,8 +40,8 @@ pub(crate) struct LightArgs {
     /// Factor of light before tone mapping [default: 1, with lights of models dimmed that are in lumens]
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exposure: Option<f32>,
-    /// The way of bright light to display light: pbr-neutral, aces, agx, none [default: pbr-neutral under light from all around and
-    /// for pictures of 8 or 16 bits, none otherwise]
+    /// The way of bright light to display light: pbr-neutral, aces, agx, none (clipped at 1), unclipped [default: pbr-neutral under
+    /// light from all around and for pictures of 8 or 16 bits, none otherwise; none clips nothing of HDR and EXR pictures]
     #[arg(long, value_name = "CURVE", value_parser = tone_map)]
     tone_map: Option<ToneMap>,
 }
@@ -78,7 +78,7 @@ impl FromStr for Env {
 pub(crate) struct Lit {
     /// It is a scene file, which has the light that it says.
     pub(crate) scene_file: bool,
-    /// It is written as light without an upper end, which no curve may bend unless one is asked for.
+    /// It is written as light without an upper end, which no curve bends unless one is asked for.
     pub(crate) floats: bool,
     /// The environment is shown behind it.
     pub(crate) behind: bool,
