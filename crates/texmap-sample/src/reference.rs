@@ -25,7 +25,7 @@ pub fn sample(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2]) -> [f64; 4] {
     sample_lod(s, t, uv, 0.0)
 }
 
-/// [`Sampler::sample_grad`] in f64.
+/// [`Sampler::sample_grad`] in f64. [`Ewa`](crate::Filter::Ewa) has its ellipse at any size here.
 pub fn sample_grad(s: &Sampler, t: &Texture2d<'_>, uv: [f64; 2], d: Gradient) -> [f64; 4] {
     match s.filter {
         Filter::Anisotropic(most) => anisotropic(s, t, uv, d, f64::from(most.clamp(1, 16))),

@@ -61,7 +61,8 @@ pub enum Filter {
     Trilinear,
     /// Up to this many (2 to 16) trilinear probes along the long axis of the footprint, no closer than a texel.
     Anisotropic(u8),
-    /// The elliptical weighted average (Heckbert 1989).
+    /// The elliptical weighted average (Heckbert 1989). Ellipses of half a width or height above `4 ratio + 4` texels, which only
+    /// coarsest levels and textures without mips see, are bilinear look-ups instead, so that far surfaces cost no more.
     Ewa {
         /// Largest ratio of the ellipse's axes, 1 to 16.
         ratio: u8,
