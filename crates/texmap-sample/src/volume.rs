@@ -13,7 +13,7 @@ use crate::{
     mip,
     sampler::Sampler,
     texel_data::{Chain, scaled},
-    texture::{Image, Texture2d},
+    texture::{Alpha, Image, Texture2d},
     upload::upload,
 };
 use texmap_math::simd::{Isa, Scalar, prelude::*};
@@ -61,6 +61,7 @@ impl Texture1d<'_> {
 #[derive(Clone, Debug)]
 pub struct Texture3d<'a> {
     chain: Chain<'a>,
+    alpha_channel: bool,
 }
 
 impl Texture3d<'static> {
@@ -77,6 +78,7 @@ impl Texture3d<'static> {
         }
         Ok(Self {
             chain: upload(slices, depth)?,
+            alpha_channel: slices.alpha != Alpha::Data && slices.channels.is_multiple_of(2),
         })
     }
 
@@ -85,6 +87,7 @@ impl Texture3d<'static> {
     pub fn with_mips(self) -> Self {
         Self {
             chain: mip::build(self.chain, mip::Reduce::Volume),
+            ..self
         }
     }
 }
@@ -109,6 +112,11 @@ impl Texture3d<'_> {
     /// True if any texel is not fully opaque.
     pub fn has_alpha(&self) -> bool {
         !self.chain.opaque
+    }
+
+    /// True if the slices had an alpha channel, whatever it holds: two or four channels that are not [`Alpha::Data`].
+    pub fn has_alpha_channel(&self) -> bool {
+        self.alpha_channel
     }
 
     /// One texel, linear and premultiplied. `None` outside.

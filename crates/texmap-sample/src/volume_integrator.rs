@@ -22,8 +22,9 @@ pub const MAX_STEPS: u32 = 1 << 16;
 /// Matter in the unit cube.
 ///
 /// Without a transfer function a voxel's largest channel is how dense it is and its colour is itself over that (a
-/// single channel is white); a grid with alpha has its density there. With one, the voxel's first channel is looked up
-/// along it: a dependent look-up, whose colour shines and whose alpha is the density.
+/// single channel is white); a grid with an [alpha channel](Texture3d::has_alpha_channel) has its density there, also if
+/// all of it is 1. With one, the voxel's first channel is looked up along it: a dependent look-up, whose colour shines and
+/// whose alpha is the density.
 #[derive(Clone, Debug)]
 pub struct VolumeIntegrator<'a> {
     grid: &'a Texture3d<'a>,
@@ -221,7 +222,7 @@ impl<'a> VolumeIntegrator<'a> {
 
     /// A voxel with its density for its alpha.
     fn dense(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
-        if self.grid.has_alpha() {
+        if self.grid.has_alpha_channel() {
             return [r, g, b, a];
         }
         let most = if r > g { r } else { g };
@@ -291,17 +292,22 @@ mod tests {
     use super::*;
     use crate::texture::{Alpha, ColorSpace, Image, Origin};
 
-    /// Fine steps add up to what the closed form says, however thin the matter is.
+    /// Fine steps add up to what the closed form says, however thin the matter is; alphas of 1 and above are a density as others are.
     #[test]
     fn fine_steps_lose_nothing() {
-        for alpha in [1e-3f32, 0.02, 0.5] {
+        for alpha in [1e-3f32, 0.02, 0.5, 1.0, 2.0] {
             let grid = Texture3d::new(
                 1,
                 &Image {
                     width: 1,
                     height: 1,
                     channels: 4,
-                    texels: crate::texel_data::TexelData::F32(&[alpha, alpha / 2.0, 0.0, alpha]),
+                    texels: crate::texel_data::TexelData::F32(&[
+                        alpha / 4.0,
+                        alpha / 2.0,
+                        0.0,
+                        alpha,
+                    ]),
                     color: ColorSpace::Linear,
                     alpha: Alpha::Premultiplied,
                     origin: Origin::TopLeft,
@@ -313,7 +319,7 @@ mod tests {
             for step in [0.1, 1e-3, 1e-5] {
                 let volume = VolumeIntegrator::new(&grid, &sampler, None, 1.0, step).unwrap();
                 let seen = volume.integrate([0.5, 0.5, -1.0], [0.0, 0.0, 1.0], (0.0, 10.0));
-                for (got, share) in seen.color.into_iter().zip([1.0, 0.5, 0.0, 1.0]) {
+                for (got, share) in seen.color.into_iter().zip([0.25, 0.5, 0.0, 1.0]) {
                     let right = share * exact;
                     assert!(
                         (f64::from(got) - right).abs() <= 2e-6 * exact,

@@ -10,7 +10,7 @@ pub(super) struct Grid {
     wraps: [Wrap; 3],
     border: DVec4,
     filter: Filter,
-    pub(super) has_alpha: bool,
+    pub(super) has_alpha_channel: bool,
 }
 
 struct Level {
@@ -37,7 +37,7 @@ impl Grid {
             wraps,
             border: DVec4::from_array(sampler.border.map(f64::from)),
             filter: sampler.filter,
-            has_alpha: grid.has_alpha(),
+            has_alpha_channel: grid.has_alpha_channel(),
         }
     }
 

@@ -71,7 +71,7 @@ impl<'s> Medium<'s> {
         let voxel = self.grid.voxel(at, [DVec3::ZERO; 2]);
         let matter = match &self.transfer {
             Some(ramp) => ramp.along(voxel.x),
-            None if self.grid.has_alpha => voxel,
+            None if self.grid.has_alpha_channel => voxel,
             None => voxel.truncate().extend(voxel.truncate().max_element()),
         };
         (straight(matter), matter.w)
