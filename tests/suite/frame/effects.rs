@@ -357,6 +357,13 @@ fn faults_of_effects_are_named() {
     assert!(text(|s| s.effects.shadows[0].light = 9).contains("light 9 does not exist"));
     assert!(text(|s| s.effects.shadows[0].light = 0).contains("only directional"));
     assert!(text(|s| s.effects.shadows[0].pcf_size = 4).contains("odd"));
+    let bias = |bias| {
+        let mut scene = all();
+        scene.effects.shadows[0].bias = Some(bias);
+        scene.check().unwrap_err().to_string()
+    };
+    assert!(bias(ShadowBias::Constant(f64::NAN)).contains("bias"));
+    assert!(bias(ShadowBias::Planes(f64::INFINITY)).contains("bias"));
     assert!(text(|s| s.effects.shadows[0].size = Some(0)).contains("16384"));
     assert!(text(|s| s.effects.projectors[0].texture = 7).contains("texture 7"));
     assert!(text(|s| s.effects.projectors[1].softness = 2.0).contains("softness"));

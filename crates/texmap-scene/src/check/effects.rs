@@ -1,6 +1,6 @@
 //! Checks of effects, before the first pixel.
 
-use texmap_light::{Light, ReflectionBox};
+use texmap_light::{Light, ReflectionBox, ShadowBias};
 use texmap_math::glam::{DMat4, DVec3};
 use texmap_sample::Pattern;
 
@@ -235,6 +235,16 @@ impl Scene {
         }
         if shadow.pcf_size.is_multiple_of(2) || shadow.pcf_size > 15 {
             return Err(value("taps", shadow.pcf_size, "an odd number, 1 to 15"));
+        }
+        if let Some(
+            ShadowBias::Planes(x)
+            | ShadowBias::Constant(x)
+            | ShadowBias::Slope(x)
+            | ShadowBias::NormalOffset(x),
+        ) = shadow.bias
+        {
+            let place = || format!("shadow of light {}", shadow.light);
+            finite(place, || "bias".to_owned(), &[x])?;
         }
         if let Light::Point { position, .. }
         | Light::Spot { position, .. }

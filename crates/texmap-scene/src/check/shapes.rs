@@ -1,6 +1,7 @@
 //! Checks of displacements and billboards.
 
 use texmap_math::glam::DVec3;
+use texmap_math::texture_frame::TextureFrame;
 
 use crate::{EdgeBudget, Facing, Mesh, SceneError};
 
@@ -14,6 +15,15 @@ impl Mesh {
                 expected,
             })
         };
+        if let Some(frame) = &self.texture_frame
+            && let Err(error) = TextureFrame::new(frame.o, frame.u, frame.v)
+        {
+            return value(
+                "texture frame",
+                error.to_string(),
+                "it must be finite, U and V neither zero nor parallel",
+            );
+        }
         self.check_billboards()?;
         let Some(displacement) = &self.displacement else {
             return Ok(());
@@ -77,6 +87,33 @@ impl Mesh {
 mod tests {
     use super::*;
     use crate::Billboard;
+
+    /// Frames whose numbers are not finite or that span no plane, by the public fields.
+    #[test]
+    fn bad_texture_frames_are_named() {
+        let (o, u, v) = (DVec3::ZERO, DVec3::X, DVec3::Y);
+        let of = |o, u, v| {
+            let mesh = Mesh {
+                name: "wall".to_owned(),
+                texture_frame: Some(TextureFrame { o, u, v }),
+                ..Mesh::default()
+            };
+            mesh.check_shape().map_err(|error| error.to_string())
+        };
+        assert_eq!(of(o, u, v), Ok(()));
+        for (o, u, v) in [
+            (DVec3::NAN, u, v),
+            (o, u * f64::INFINITY, v),
+            (o, DVec3::ZERO, v),
+            (o, u, u * -2.0),
+        ] {
+            let error = of(o, u, v).unwrap_err();
+            assert!(
+                error.contains("mesh 'wall'") && error.contains("texture frame"),
+                "{error}"
+            );
+        }
+    }
 
     #[test]
     fn bad_billboards_are_named() {
