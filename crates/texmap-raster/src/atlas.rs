@@ -1,5 +1,6 @@
 //! The UV-space target: the same coverage over a texture atlas, for bakes and transfers.
 
+mod taken;
 mod texels;
 
 use alloc::vec::Vec;
@@ -14,6 +15,7 @@ use crate::{
     VisibilityBuffer,
 };
 
+use taken::{Taken, Visited};
 use texels::{Corners, Values};
 
 /// A mesh with texture coordinates.
@@ -101,11 +103,12 @@ impl Bands<'_> {
 }
 
 /// Bytes of all arrays of an atlas per texel.
-fn texel_bytes(mesh: &AtlasMesh<'_>) -> u64 {
+fn texel_bytes(mesh: &AtlasMesh<'_>, options: &AtlasOptions) -> u64 {
     let triple = size_of::<[f32; 3]>();
     let triples =
         1 + usize::from(!mesh.positions.is_empty()) + usize::from(!mesh.normals.is_empty());
-    (size_of::<Coverage>() + size_of::<u32>() + triples * triple) as u64
+    let taken = usize::from(options.conservative) * size_of::<u32>();
+    (size_of::<Coverage>() + size_of::<u32>() + taken + triples * triple) as u64
 }
 
 impl Atlas {
@@ -122,7 +125,7 @@ impl Atlas {
         Self::with_progress(size, mesh, options, &no_progress)
     }
 
-    /// [`new`](Self::new) with a callback that hears of each row of tiles of each stage and each texel of the gutter, and may end the work.
+    /// [`new`](Self::new) with a callback that hears of each row of tiles of each stage, or as many parts of it, and each texel of the gutter, and may end the work.
     ///
     /// # Errors
     /// Those of [`new`](Self::new); [`RasterError::Cancelled`] after a break.
@@ -142,7 +145,7 @@ impl Atlas {
             }
         }
         let texels = size.width() as usize * size.height() as usize;
-        let bytes = texels as u64 * texel_bytes(mesh);
+        let bytes = texels as u64 * texel_bytes(mesh, &options);
         options.memory.ask(
             bytes,
             format_args!("an atlas of {} x {} texels", size.width(), size.height()),
@@ -174,7 +177,7 @@ impl Atlas {
             lost: Vec::new(),
         };
         let corners = Corners { mesh, size };
-        let stages = 2 + usize::from(options.conservative);
+        let stages = 2 + 2 * usize::from(options.conservative);
         let bands = size.height().div_ceil(TILE) as usize;
         // Further rounds would find no free texel.
         let gutter = options.gutter.min(size.width().max(size.height()));
@@ -192,7 +195,7 @@ impl Atlas {
         }
         let mut owned = atlas.owned(mesh.indices.len());
         if options.conservative {
-            atlas.rescue(&corners, &mut owned);
+            atlas.rescue(&corners, &mut owned, work);
         }
         atlas.lost = (0..owned.len() as u32)
             .filter(|&f| owned[f as usize] == 0)
@@ -203,10 +206,6 @@ impl Atlas {
             true => Err(RasterError::Cancelled),
             false => Ok(atlas),
         }
-    }
-
-    fn place(&self, x: i32, y: i32) -> usize {
-        y as usize * self.size.width() as usize + x as usize
     }
 
     /// Texels of a band: of all tiles of one row.
@@ -248,19 +247,19 @@ impl Atlas {
         let bands = faces.zip(self.coverage.chunks_mut(band)).enumerate();
         work.for_all(bands.collect(), |(row, (faces, coverage))| {
             let top = row as i32 * TILE as i32;
+            let mut taken = Taken::new(width, faces.len() / width);
             for &face in &reaches[row] {
                 let Some(reach) = corners.reach(face) else {
                     continue;
                 };
                 for y in reach.y.start.max(top)..reach.y.end.min(top + TILE as i32) {
-                    let from = (y - top) as usize * width;
-                    for x in reach.x.clone() {
-                        let at = from + x as usize;
-                        if faces[at] == NO_PRIMITIVE && reach.touches(x, y) {
+                    taken.visit((y - top) as usize, &reach.row(y), |at| {
+                        if faces[at] == NO_PRIMITIVE {
                             faces[at] = face;
                             coverage[at] = Coverage::Touched;
                         }
-                    }
+                        Visited::Taken
+                    });
                 }
             }
         });
@@ -276,28 +275,49 @@ impl Atlas {
     }
 
     /// Gives each face without a texel one that it touches, of a face that has several.
-    fn rescue(&mut self, corners: &Corners<'_, '_>, owned: &mut [u32]) {
-        for face in 0..owned.len() as u32 {
-            let Some(reach) = corners.reach(face).filter(|_| owned[face as usize] == 0) else {
-                continue;
-            };
-            let texels = reach
-                .y
-                .clone()
-                .flat_map(|y| reach.x.clone().map(move |x| (x, y)));
-            let spare = texels.into_iter().find(|&(x, y)| {
-                let holder = self.face[self.place(x, y)];
-                (holder == NO_PRIMITIVE || owned[holder as usize] > 1) && reach.touches(x, y)
-            });
-            if let Some((x, y)) = spare {
-                let at = self.place(x, y);
-                if self.face[at] != NO_PRIMITIVE {
-                    owned[self.face[at] as usize] -= 1;
-                }
-                self.face[at] = face;
-                self.coverage[at] = Coverage::Touched;
-                owned[face as usize] += 1;
+    fn rescue(&mut self, corners: &Corners<'_, '_>, owned: &mut [u32], work: Bands<'_>) {
+        let (width, height) = (self.size.width() as usize, self.size.height() as usize);
+        let parts = height.div_ceil(TILE as usize);
+        let mut taken = None;
+        for part in 0..parts {
+            if work.steps.is_cancelled() {
+                return;
             }
+            for face in part * owned.len() / parts..(part + 1) * owned.len() / parts {
+                if owned[face] > 0 {
+                    continue;
+                }
+                let Some(reach) = corners.reach(face as u32) else {
+                    continue;
+                };
+                let taken = taken.get_or_insert_with(|| Taken::new(width, height));
+                let mut spare = None;
+                for y in reach.y.clone() {
+                    // The only texel of a face is never spare again.
+                    taken.visit(y as usize, &reach.row(y), |at| {
+                        let holder = self.face[at];
+                        match holder == NO_PRIMITIVE || owned[holder as usize] > 1 {
+                            true => {
+                                spare = Some(at);
+                                Visited::Last
+                            }
+                            false => Visited::Taken,
+                        }
+                    });
+                    if spare.is_some() {
+                        break;
+                    }
+                }
+                if let Some(at) = spare {
+                    if self.face[at] != NO_PRIMITIVE {
+                        owned[self.face[at] as usize] -= 1;
+                    }
+                    self.face[at] = face as u32;
+                    self.coverage[at] = Coverage::Touched;
+                    owned[face] += 1;
+                }
+            }
+            work.steps.step();
         }
     }
 

@@ -117,7 +117,7 @@ fn a_break_of_progress_ends_an_atlas() {
         let calls = AtomicUsize::new(0);
         let progress = |done: usize, of: usize| {
             let call = calls.fetch_add(1, Ordering::Relaxed) + 1;
-            assert_eq!((done, of), (call, 3 * 4 + 6));
+            assert_eq!((done, of), (call, 4 * 4 + 6));
             match call < last {
                 true => ControlFlow::Continue(()),
                 false => ControlFlow::Break(()),
@@ -131,7 +131,7 @@ fn a_break_of_progress_ends_an_atlas() {
         whole,
         (
             Atlas::new(size(100, 200), &sheet.atlas_mesh(), options),
-            3 * 4 + 6
+            4 * 4 + 6
         )
     );
     for last in 1..=whole.1 {

@@ -141,9 +141,16 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    pub(super) fn touches(&self, x: i32, y: i32) -> bool {
-        let edges = self.edges.iter().flatten();
-        edges.into_iter().all(|e| touches(*e, x, y))
+    /// The texels of a row that the face touches.
+    pub(super) fn row(&self, y: i32) -> Range<i32> {
+        let mut row = i64::from(self.x.start)..i64::from(self.x.end);
+        for edge in self.edges.iter().flatten() {
+            let part = touched(*edge, y);
+            row = row.start.max(part.start)..row.end.min(part.end);
+        }
+        // Ends within the box fit i32.
+        let end = row.end.max(i64::from(self.x.start));
+        row.start.min(end) as i32..end as i32
     }
 }
 
@@ -165,10 +172,65 @@ fn weights(corners: &[[f64; 2]; 3], [x, y]: [f64; 2]) -> [f64; 3] {
     }
 }
 
-/// True if the open inner side of an edge meets the texel's square: without the top-left rule, which is for points.
-fn touches(edge: Edge, x: i32, y: i32) -> bool {
+/// The texels of a row whose squares meet the open inner side of an edge: without the top-left rule, which is for points.
+fn touched(edge: Edge, y: i32) -> Range<i64> {
+    const ALL: Range<i64> = i32::MIN as i64..i32::MAX as i64;
     let half = ONE / 2;
     let top_left = edge.a > 0 || (edge.a == 0 && edge.b > 0);
     let c = edge.c + i64::from(!top_left);
-    edge.a * centre(x) + edge.b * centre(y) + c + half * (edge.a.abs() + edge.b.abs()) > 0
+    let at_0 = edge.a * centre(0) + edge.b * centre(y) + c + half * (edge.a.abs() + edge.b.abs());
+    // at_0 + step x > 0 for whole x.
+    let step = edge.a * ONE;
+    match step {
+        0 if at_0 > 0 => ALL,
+        0 => 0..0,
+        1.. => (-at_0).div_euclid(step) + 1..ALL.end,
+        _ => ALL.start..-(-at_0).div_euclid(-step),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The touched part of a row is that of its texels one by one.
+    #[test]
+    fn rows_are_the_texels_that_a_face_touches() {
+        let size = TargetSize::new(24, 20).unwrap();
+        let mut seed = 5u32;
+        let mut next = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Often on borders and centres of texels, and outside.
+            (seed >> 24) as f32 / 192.0 - 0.15
+        };
+        let uvs: Vec<[f32; 2]> = (0..900).map(|_| [next(), next()]).collect();
+        let indices: Vec<[u32; 3]> = (0..300).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let mesh = AtlasMesh {
+            uvs: &uvs,
+            indices: &indices,
+            ..AtlasMesh::default()
+        };
+        let corners = Corners { mesh: &mesh, size };
+        let half = ONE / 2;
+        let (mut touched, mut beside) = (0, 0);
+        for face in 0..300 {
+            let Some(reach) = corners.reach(face) else {
+                continue;
+            };
+            for y in reach.y.clone() {
+                let row = reach.row(y);
+                for x in reach.x.clone() {
+                    let alone = reach.edges.iter().flatten().all(|e| {
+                        let top_left = e.a > 0 || (e.a == 0 && e.b > 0);
+                        let at = e.a * centre(x) + e.b * centre(y) + e.c + i64::from(!top_left);
+                        at + half * (e.a.abs() + e.b.abs()) > 0
+                    });
+                    assert_eq!(row.contains(&x), alone, "{face} {x} {y}");
+                    touched += u32::from(alone);
+                    beside += u32::from(!alone);
+                }
+            }
+        }
+        assert!(touched > 1000 && beside > 1000, "{touched} {beside}");
+    }
 }
