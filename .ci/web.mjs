@@ -170,6 +170,19 @@ async function scene() {
     if (error) fault('scene', `${control}: ${error}`);
     if ((await pictures(page)) === before) fault('scene', `${control} changes nothing`);
   }
+  // Another file is turned from its own first view.
+  const turned = async () => {
+    await move(page, 'yaw');
+    await page.waitForTimeout(50);
+    await ready(page);
+    return page.$eval('pre', (pre) => pre.textContent);
+  };
+  await page.selectOption('#file', 'models/cow.obj');
+  const chosen = await turned();
+  await page.click('#reset');
+  await page.waitForTimeout(50);
+  await ready(page);
+  if (!chosen.includes('models/cow.obj') || (await turned()) !== chosen) fault('scene', `a second file is turned from another view: ${chosen}`);
   // A file of the user, and its download.
   await page.setInputFiles('#files', [{ name: 'own.obj', mimeType: 'text/plain', buffer: Buffer.from('v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n') }]);
   await page.waitForTimeout(50);

@@ -18,13 +18,16 @@ const SAMPLES = {
 const state = { file: 'models/teapot.obj', files: SAMPLES['models/teapot.obj'], camera: null, moved: false };
 const dropped = [];
 
-const option = (label, id, values) => {
-  const element = make('select', { id, 'data-control': id }, ...values.map((v) => make('option', { value: v }, v || 'of the file')));
-  element.addEventListener('change', () => changed());
+const option = (label, id, values, listener = () => changed()) => {
+  const element = make('select', { id, 'data-control': id, onchange: listener }, ...values.map((v) => make('option', { value: v }, v || 'of the file')));
   return [make('label', {}, label, element), element];
 };
-const [fileLabel, file] = option('File', 'file', Object.keys(SAMPLES));
-const [sizeLabel, size] = option('Size', 'size', ['640x480', '1024x768', '320x240', '512x512']);
+const [fileLabel, file] = option('File', 'file', Object.keys(SAMPLES), () => choose(file.value, SAMPLES[file.value] ?? []));
+const [sizeLabel, size] = option('Size', 'size', ['640x480', '1024x768', '320x240', '512x512'], () => {
+  // The first view is framed for the size.
+  if (!state.moved) forget();
+  changed();
+});
 const [filterLabel, filter] = option('Filter', 'filter', ['', 'nearest', 'bilinear', 'bicubic:mitchell', 'mip-nearest', 'trilinear', 'anisotropic:16', 'ewa:16', 'summed-area']);
 const [interpLabel, interp] = option('Interpolation', 'interp', ['', 'perspective', 'affine', 'subdivided:4', 'span:16']);
 const [wrapLabel, wrap] = option('Wrap', 'wrap', ['', 'repeat', 'mirrored-repeat', 'clamp-to-edge', 'clamp-to-border']);
@@ -55,7 +58,6 @@ main.append(
   make('details', { open: true }, make('summary', {}, 'The command'), command),
 );
 
-file.addEventListener('change', () => { state.file = file.value; state.files = SAMPLES[file.value] ?? []; home(); });
 box.addEventListener('pointerdown', (event) => {
   box.setPointerCapture(event.pointerId);
   let at = [event.clientX, event.clientY];
@@ -78,15 +80,25 @@ async function take(files) {
   const { names, main } = await addFiles(files);
   dropped.push(...names);
   if (!main) { changed(); return; }
-  state.file = main;
-  state.files = [];
-  if (![...file.options].some((o) => o.value === state.file)) file.append(make('option', { value: state.file }, state.file));
-  file.value = state.file;
+  if (![...file.options].some((o) => o.value === main)) file.append(make('option', { value: main }, main));
+  file.value = main;
+  choose(main, []);
+}
+
+function choose(name, files) {
+  [state.file, state.files] = [name, files];
   home();
 }
 
-function home() {
+// Answers that were asked for before do not give the camera.
+let views = 0;
+function forget() {
+  views++;
   state.camera = null;
+}
+
+function home() {
+  forget();
   state.moved = false;
   for (const control of [yaw, pitch, zoom]) control.value = '0';
   changed();
@@ -120,6 +132,7 @@ async function changed() {
   if (busy) { pending = true; return; }
   busy = true;
   const [width, height] = size.value.split('x').map(Number);
+  const view = views;
   const request = { kind: 'draw', file: state.file, size: [width, height], where_from: true };
   for (const control of [filter, interp, wrap, aov]) if (control.value) request[control.id] = control.value;
   if (state.moved && state.camera) request.camera = { eye: eye(), look: state.camera.look };
@@ -130,7 +143,7 @@ async function changed() {
     hash.textContent = answer.panels[0].hash;
     second.hidden = answer.panels.length < 2;
     if (answer.panels[1]) { show(array, answer.panels[1]); array.dataset.hash = answer.panels[1].hash; second.lastChild.textContent = answer.panels[1].name; }
-    if (!state.camera) {
+    if (!state.camera && view === views) {
       const at = answer.figures.map((figure) => figure.value);
       state.camera = { eye: at.slice(0, 3), look: at.slice(3, 6), up: at.slice(6, 9) };
     }
@@ -138,7 +151,7 @@ async function changed() {
     words.textContent = [`${Math.round(answer.ms)} ms`, ...answer.warnings].join(' · ');
     const flags = ['filter', 'interp', 'wrap', 'aov'].filter((name) => request[name]).map((name) => ` --${name} ${request[name]}`).join('');
     const camera = request.camera ? ` --camera-eye=${request.camera.eye.join(',')} --camera-look=${request.camera.look.join(',')}` : '';
-    command.textContent = `texmap render ${state.file} -o picture.png --resolution ${size.value}${flags}${camera}\ntexmap hash picture.png    # ${answer.panels[0].hash}`;
+    command.textContent = `texmap render ${request.file} -o picture.png --resolution ${width}x${height}${flags}${camera}\ntexmap hash picture.png    # ${answer.panels[0].hash}`;
   } catch (error) {
     words.className = 'error';
     words.textContent = error.message;
