@@ -89,10 +89,10 @@ async function record() {
   recorded.textContent = 'playing …';
   const [width, height] = size.value.split('x').map(Number);
   const { hash, ms, frames } = await call('play', { width, height, every: 1 });
-  const native = (await hashes)[`doom ${size.value}`]?.[0];
+  const native = (await hashes)[`doom ${width}x${height}`]?.[0];
   const same = native ? (native === hash ? ' the bytes of the native program' : ` native: ${native}`) : '';
   recorded.textContent = `${frames} frames in ${(ms / 1000).toFixed(2)} s: ${(1000 * frames / ms).toFixed(1)} frames/s. Last frame ${hash}${same}`;
-  recorded.className = same && native !== hash ? 'hash differs' : 'hash same';
+  recorded.className = native ? `hash ${native === hash ? 'same' : 'differs'}` : 'hash';
   main.dataset.recorded = hash;
   main.dataset.rate = String(1000 * frames / ms);
   running = true;
