@@ -145,6 +145,23 @@ async function doom() {
   if (shots) await page.screenshot({ path: join(shots, 'doom-affine.png') });
   // In scalar code the walk takes long; without a browser only its last frame is drawn.
   for (const size of short ? [] : WALKS) console.log(`web: doom: ${size}: ${(await walk(page, size)).toFixed(1)} frames a second`);
+  // Frames come one after the other, also after walks; a second click on the button plays nothing more.
+  await page.evaluate(() => {
+    const post = Worker.prototype.postMessage;
+    window.asked = { play: 0, frame: 0, most: 0 };
+    Worker.prototype.postMessage = function (message, ...rest) {
+      window.asked[message.command]++;
+      if (message.command === 'frame') {
+        window.asked.most = Math.max(window.asked.most, window.asked.frame);
+        this.addEventListener('message', ({ data }) => { if (data.id === message.id) window.asked.frame--; });
+      }
+      return post.call(this, message, ...rest);
+    };
+  });
+  await page.waitForTimeout(500);
+  await page.$eval('#record', (button) => { button.click(); button.click(); });
+  const { play, most } = await page.evaluate(() => window.asked);
+  if (play !== 1 || most > 1) fault('doom', `two clicks play ${play} walks; ${most} frames are asked for at once`);
   await context.close();
 }
 

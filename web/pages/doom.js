@@ -64,12 +64,11 @@ let clock = performance.now();
 let owed = 0;
 const shown = [];
 async function frame() {
-  if (!running) return;
   const now = performance.now();
   owed = Math.min(owed + (now - clock) * 0.06, 6);
   clock = now;
   const steps = Math.floor(owed);
-  if (steps > 0) {
+  if (running && steps > 0) {
     owed -= steps;
     const [width, height] = size.value.split('x').map(Number);
     const input = { steps, buttons: held | touched, turn, raise, width, height, filter: filter.value, affine: affine.checked };
@@ -84,7 +83,8 @@ async function frame() {
   requestAnimationFrame(frame);
 }
 
-async function record() {
+async function record({ target }) {
+  target.disabled = true;
   running = false;
   recorded.textContent = 'playing …';
   const [width, height] = size.value.split('x').map(Number);
@@ -96,8 +96,7 @@ async function record() {
   main.dataset.recorded = hash;
   main.dataset.rate = String(1000 * frames / ms);
   running = true;
-  clock = performance.now();
-  frame();
+  target.disabled = false;
 }
 
 await call('room', { files: FILES });
