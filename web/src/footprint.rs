@@ -57,7 +57,12 @@ impl PixelFootprint {
         if let Some(map) = map {
             self.texture_panel(files, &map, (x, y), &mut answer)?;
         }
-        answer.figure("level of detail", lod.unwrap_or(f64::NAN), "");
+        match lod {
+            Some(lod) => answer.figure("level of detail", lod, ""),
+            None => answer
+                .warnings
+                .push("the ray of this pixel meets no floor: move the handle down".to_owned()),
+        }
         if let Some(text) = &self.reference {
             let mut settings = Methods::default().settings(self.size, false)?;
             settings.supersample = 8;
