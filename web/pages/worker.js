@@ -48,6 +48,11 @@ const commands = {
     loaded.set(name, Promise.resolve());
     return [null, []];
   },
+  async remove({ lab }, { name }) {
+    lab.remove(name);
+    loaded.delete(name);
+    return [null, []];
+  },
   async png({ lab }, { panel }) {
     const bytes = lab.png(panel).buffer;
     return [bytes, [bytes]];
@@ -76,12 +81,17 @@ const commands = {
   },
 };
 
+// After a trap the memory of the module is in no known state.
+let failed = false;
 self.onmessage = async ({ data }) => {
   data.files?.filter((file) => !loaded.has(file)).forEach(fetchFile);
   try {
-    const [result, moved] = await commands[data.command](await ready, data);
+    const lab = await ready;
+    if (failed) throw new Error('the module has failed');
+    const [result, moved] = await commands[data.command](lab, data);
     self.postMessage({ id: data.id, result, simd }, moved);
   } catch (error) {
-    self.postMessage({ id: data.id, error: typeof error === 'string' ? error : `${error.message ?? error}\nreload the page` });
+    if (error instanceof WebAssembly.RuntimeError || /recursive use/.test(error.message)) failed = true;
+    self.postMessage({ id: data.id, error: typeof error === 'string' ? error : `${failed ? 'the module has failed' : error.message ?? error}\nreload the page` });
   }
 };

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use texmap_io::framing::{Framing, Up, light_as_model};
 use texmap_io::scene_file::Missing;
@@ -11,7 +12,7 @@ use texmap_scene::Scene;
 /// The files that requests name.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    held: BTreeMap<PathBuf, Vec<u8>>,
+    held: BTreeMap<PathBuf, Arc<[u8]>>,
     source: FileSource,
 }
 
@@ -26,12 +27,20 @@ impl Files {
 
     /// Adds files, each in place of one of its name.
     pub fn add(&mut self, files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) {
-        self.held.extend(files);
+        let files = files.into_iter();
+        self.held
+            .extend(files.map(|(name, bytes)| (name, bytes.into())));
+        self.hold();
+    }
+
+    /// Takes a file away, and gives its memory back.
+    pub fn remove(&mut self, name: &Path) {
+        self.held.remove(name);
         self.hold();
     }
 
     fn hold(&mut self) {
-        self.source = FileSource::in_memory(self.held.clone());
+        self.source = FileSource::shared(self.held.clone());
     }
 
     /// Reads a scene or model; `text` stands in for the contents of a file of that name.

@@ -34,6 +34,11 @@ impl Lab {
         self.files.add([(name.into(), bytes)]);
     }
 
+    /// Takes a file away.
+    pub fn remove(&mut self, name: &str) {
+        self.files.remove(name.as_ref());
+    }
+
     /// Answers a request in JSON with the figures, the warnings and the place of each picture, in JSON too.
     ///
     /// # Errors

@@ -19,11 +19,11 @@ impl fmt::Debug for Held {
 
 impl Held {
     /// The files of these names; of two with one name the last.
-    pub(crate) fn new(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Self {
+    pub(crate) fn new(files: impl IntoIterator<Item = (PathBuf, Arc<[u8]>)>) -> Self {
         let files = files.into_iter();
         Self(
             files
-                .map(|(name, bytes)| (plain_name(&name), bytes.into()))
+                .map(|(name, bytes)| (plain_name(&name), bytes))
                 .collect(),
         )
     }
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(
             format!(
                 "{:?}",
-                Held::new([("b".into(), vec![]), ("a".into(), vec![1])])
+                Held::new([("b".into(), [].into()), ("a".into(), [1].into())])
             ),
             r#"{"a", "b"}"#
         );

@@ -86,6 +86,12 @@ impl FileSource {
     /// # Ok::<(), texmap_io::IoError>(())
     /// ```
     pub fn in_memory(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Self {
+        let files = files.into_iter();
+        Self::shared(files.map(|(name, bytes)| (name, bytes.into())))
+    }
+
+    /// As [`FileSource::in_memory`], of bytes that others hold, too: they are not copied.
+    pub fn shared(files: impl IntoIterator<Item = (PathBuf, Arc<[u8]>)>) -> Self {
         Self {
             held: Some(Arc::new(Held::new(files))),
             ..Self::default()
@@ -97,7 +103,7 @@ impl FileSource {
     #[must_use]
     pub fn with_file(self, name: PathBuf, bytes: Vec<u8>) -> Self {
         Self {
-            given: Some(Arc::new(Held::new([(name, bytes)]))),
+            given: Some(Arc::new(Held::new([(name, bytes.into())]))),
             ..self
         }
     }
