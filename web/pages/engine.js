@@ -121,7 +121,11 @@ for (const control of page.controls) {
       select.append(make('option', { value, selected: value === control.value }, text));
     }
     control.set = (value) => { values[control.id] = value; select.value = value; };
-    select.addEventListener('change', () => { values[control.id] = select.value; changed(); });
+    select.addEventListener('change', () => {
+      values[control.id] = select.value;
+      page.controls.find(({ id }) => id === control.clears)?.set('');
+      changed();
+    });
     form.append(make('label', {}, control.label, select));
   } else if (control.kind === 'check') {
     const input = make('input', { type: 'checkbox', id, 'data-control': control.id, checked: control.value });
@@ -132,7 +136,7 @@ for (const control of page.controls) {
     const input = make('input', { type: 'file', id, multiple: many, ...(many ? {} : { accept: 'image/*' }) });
     const take = (files) => files.length && (many ? scene(control, files) : picture(control, files[0]));
     input.addEventListener('change', () => take([...input.files]));
-    control.set = (value) => { values[control.id] = value; input.value = ''; };
+    control.set = (value) => { values[control.id] = value; input.value = ''; given++; };
     form.append(make('label', {}, control.label, input));
     document.addEventListener('dragover', (event) => event.preventDefault());
     document.addEventListener('drop', (event) => {
@@ -144,14 +148,30 @@ for (const control of page.controls) {
 form.append(make('div', {}, make('button', { type: 'button', id: 'reset', onclick: reset }, 'Reset'), ' ',
   make('button', { type: 'button', id: 'save', onclick: async () => save(`${name}.png`, await call('png', { panel: 0 }), 'image/png') }, 'Download PNG')));
 
+// Width and height of the user's pictures, by name.
+const sizes = {};
+let given = 0;
 async function picture(control, file) {
-  // A name of its own for each file: the old picture stays until the new one is there.
-  const given = `own-${own.size}.${file.name.split('.').pop()}`;
-  const bytes = await file.arrayBuffer();
-  own.add(given);
-  await call('add', { name: given, bytes }, [bytes]);
-  values[control.id] = given;
-  changed();
+  // A name of its own for each file: the old picture stays until the new one is there, and of two that come together the later one wins.
+  const mine = ++given;
+  main.dataset.state = 'busy';
+  const [ending] = file.name.match(/\.[A-Za-z0-9]{1,5}$/) ?? [''];
+  const known = `own-${mine}${ending}`;
+  try {
+    const bytes = await file.arrayBuffer();
+    await call('add', { name: known, bytes }, [bytes]);
+    // The module refuses what is no picture; of others the corners tell the size.
+    const request = { kind: 'rectify', photo: known, from: [[0, 0], [1, 0], [1, 1], [0, 1]], size: [1, 1], filter: 'nearest', shown: 64 };
+    const { figures } = await call('ask', { request });
+    if (mine !== given) return call('remove', { name: known });
+    own.add(known);
+    sizes[known] = figures.filter((figure) => figure.unit === 'point').slice(4, 6).map((figure) => figure.value);
+    values[control.id] = known;
+    changed();
+  } catch (error) {
+    changed(`${file.name}: ${error.message.replaceAll(known, file.name)}`);
+    call('remove', { name: known }).catch(() => {});
+  }
 }
 
 // A scene or model with its files; maps that come later belong to the one that is shown.
@@ -187,7 +207,10 @@ let busy = false;
 let pending = null;
 let took = 0;
 let resting = 0;
-function changed() {
+// A note stays until something changes again.
+let noted = '';
+function changed(note = '') {
+  noted = note;
   match();
   main.dataset.state = 'busy';
   clearTimeout(resting);
@@ -199,7 +222,7 @@ function changed() {
 async function draw(all) {
   if (busy) { pending = all || pending === true; return; }
   busy = true;
-  const asked = page.request(values);
+  const asked = page.request(values, sizes);
   const short = quick(page, asked);
   const whole = all || !short;
   const request = whole ? asked : short;
@@ -207,6 +230,11 @@ async function draw(all) {
     const files = page.files(values).filter((file) => !own.has(file));
     const answer = await call('ask', { files, request });
     if (all) took = answer.ms;
+    // Pictures that were replaced are let go.
+    for (const old of Object.keys(sizes).filter((old) => !Object.values(values).includes(old))) {
+      delete sizes[old];
+      call('remove', { name: old }).catch(() => {});
+    }
     tell(answer, request, whole);
   } catch (error) {
     words.className = 'error';
@@ -232,8 +260,8 @@ async function tell(answer, request, all) {
     canvas.dataset.hash = panel.hash;
     caption.replaceChildren(panel.name);
   });
-  words.className = 'soft';
-  words.textContent = [`${Math.round(answer.ms)} ms`, ...answer.warnings].join(' · ');
+  words.className = noted ? 'error' : 'soft';
+  words.textContent = [noted, `${Math.round(answer.ms)} ms`, ...answer.warnings].filter(Boolean).join(' · ');
   if (!all) return;
   while (stages.length > answer.panels.length) stages.pop().box.parentElement.remove();
   figures.replaceChildren(...answer.figures.filter((figure) => !['point', 'camera'].includes(figure.unit)).map((figure) => make('tr', {},

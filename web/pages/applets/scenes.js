@@ -1,6 +1,7 @@
 // Parts of scene texts that several applets share; no browser needed.
 
-export const texture = { id: 'texture', kind: 'choice', label: 'Texture', value: 'textures/checker.png',
+// The choice of a texture takes a picture of one's own away.
+export const texture = { id: 'texture', kind: 'choice', label: 'Texture', value: 'textures/checker.png', clears: 'own',
   options: [['textures/checker.png', 'checker'], ['textures/face.png', 'photo'], ['textures/brick.png', 'bricks'], ['textures/uv_grid.png', 'grid']] };
 export const ownPicture = { id: 'own', kind: 'picture', label: 'Your own picture (or drop it on the page)', value: '' };
 export const filter = { id: 'filter', kind: 'choice', label: 'Filter', value: 'trilinear',
