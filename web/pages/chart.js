@@ -13,7 +13,7 @@ const PANELS = {
     reference: { filter: 'trilinear', supersample: 8 }, error: 'RMSE of the colours' },
   interpolation: { text: `eye 0 0 0\nlook 0 0 -1\nfov 90\nbackground 0.8 0.85 0.9\nfilter nearest\ntexture textures/checker.png\n${v(...corners.points)}\ntf 0 0 0 1 1 0 2 1 1 3 0 1\n`,
     methods: ['affine', 'subdivided:2', 'subdivided:4', 'subdivided:8', 'span:64', 'span:16', 'span:8', 'within:1', 'within:0.1', 'perspective'].map((interp) => ({ interp })),
-    reference: { interp: 'perspective' }, texels: 256, error: 'largest shift of the texture', affine: 256 * affineError(corners.w) },
+    reference: { interp: 'perspective' }, texels: [256, 256], error: 'largest shift of the texture', affine: affineError(corners.w, [256, 256]) },
 };
 const choice = make('select', { id: 'panel', 'data-control': 'panel' }, make('option', { value: 'filters' }, 'filters on a tilted plane'), make('option', { value: 'interpolation' }, 'interpolation of a quad'));
 const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');

@@ -38,8 +38,8 @@ impl Compared {
     }
 }
 
-/// Compares with a frame of the same size; shifts in texels of a texture of so many a side, where both have coordinates.
-pub(crate) fn with_frame(drawn: &Frame, right: &Frame, texels: Option<f64>) -> Compared {
+/// Compares with a frame of the same size; shifts in texels of a texture of this width and height, where both have coordinates.
+pub(crate) fn with_frame(drawn: &Frame, right: &Frame, texels: Option<[f64; 2]>) -> Compared {
     let codes = |frame: &Frame| frame.rgba.iter().map(|b| f64::from(*b)).collect::<Vec<_>>();
     let mut compared = of_codes((drawn.width, drawn.height), &codes(drawn), &codes(right));
     let shifts = texels.zip(uv(drawn).zip(uv(right)));
@@ -47,24 +47,22 @@ pub(crate) fn with_frame(drawn: &Frame, right: &Frame, texels: Option<f64>) -> C
         let (mut most, mut sum, mut count) = (0.0f64, 0.0, 0u32);
         let width = drawn.width;
         for (i, (a, b)) in a.chunks_exact(2).zip(b.chunks_exact(2)).enumerate() {
-            let distance = distance([a[0], a[1]], [b[0], b[1]]);
+            let apart = [0, 1].map(|k| f64::from(a[k] - b[k]));
+            let distance = length(apart);
+            let shift = length([0, 1].map(|k| apart[k] * texels[k]));
             let at = (i64::from(i as u32 % width), i64::from(i as u32 / width));
             if distance.is_nan() {
                 compared.map.set(at.0, at.1, [70, 74, 82, 255]);
                 continue;
             }
-            most = most.max(distance);
-            sum += distance;
+            most = most.max(shift);
+            sum += shift;
             count += 1;
             // A hundredth of a texel is rounding.
-            let shown = if distance * texels < 0.01 {
-                0.0
-            } else {
-                distance
-            };
+            let shown = if shift < 0.01 { 0.0 } else { distance };
             compared.map.set(at.0, at.1, heat(4.0 * shown));
         }
-        compared.shift = Some((most * texels, sum / f64::from(count.max(1)) * texels));
+        compared.shift = Some((most, sum / f64::from(count.max(1))));
     }
     compared
 }
@@ -102,8 +100,7 @@ fn of_codes((width, height): (u32, u32), drawn: &[f64], right: &[f64]) -> Compar
 }
 
 /// Without `hypot`, whose bits are those of the platform.
-fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {
-    let [x, y] = [0, 1].map(|k| f64::from(a[k] - b[k]));
+fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 

@@ -27,8 +27,8 @@ pub struct Draw {
     aov: Option<String>,
     /// The picture that this one is compared with.
     reference: Option<Reference>,
-    /// Texels a side of the texture, where shifts of it are measured.
-    texels: Option<f64>,
+    /// Texels of the texture's width and height, where shifts of it are measured.
+    texels: Option<[f64; 2]>,
     /// Tell the camera, for pages that move it.
     #[serde(default)]
     where_from: bool,

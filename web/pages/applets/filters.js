@@ -1,4 +1,4 @@
-import { filter, plane, texture } from './scenes.js';
+import { filter, plane, texelsOf, texture } from './scenes.js';
 
 const scene = (c, method) => plane(c.tilt, c.repeat, `filter ${method}\ntexture ${c.texture}`);
 export default {
@@ -16,7 +16,7 @@ export default {
   ],
   files: (c) => [c.texture],
   request(c) {
-    const texels = c.texture.includes('face') || c.texture.includes('grid') ? 512 : 256;
+    const [texels] = texelsOf(c.texture);
     return { kind: 'footprint', text: scene(c, c.filter), texture: c.texture, texels, size: [640, 400], pixel: c.pixel[0], window: c.window, reference: scene(c, 'trilinear') };
   },
 };

@@ -25,6 +25,6 @@ export default {
     const det = U[0] * V[1] - U[1] * V[0];
     const uv = polygon.map(([x, y]) => [x - o[0], y - o[1]]).map(([x, y]) => [(x * V[1] - y * V[0]) / det, (U[0] * y - U[1] * x) / det]);
     const flat = `${head}tf ${uv.map((p, i) => `${i} ${p.map((k) => k.toPrecision(12)).join(' ')}`).join(' ')}\n`;
-    return { kind: 'draw', file: 'page.scene', text, size: [640, 480], texels: 512, reference: { text: flat, ...(c.tilt === 0 ? { expected: 0 } : {}) } };
+    return { kind: 'draw', file: 'page.scene', text, size: [640, 480], texels: [512, 512], reference: { text: flat, ...(c.tilt === 0 ? { expected: 0 } : {}) } };
   },
 };

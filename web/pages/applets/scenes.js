@@ -9,6 +9,9 @@ export const filter = { id: 'filter', kind: 'choice', label: 'Filter', value: 't
 
 export const picked = (c) => c.own || c.texture;
 
+/// Width and height of a texture, texels. `sizes` are those of pictures of the user, by their names.
+export const texelsOf = (name, sizes = {}) => sizes[name] ?? (name === 'textures/face.png' || name === 'textures/uv_grid.png' ? [512, 512] : [256, 256]);
+
 /// A number of a scene file.
 export const n = (value) => String(Math.round(value * 1e6) / 1e6);
 export const v = (...points) => points.map((p) => `v ${p.map(n).join(' ')}`).join('\n');
@@ -38,10 +41,11 @@ export function quad(points, aspect) {
   return { w, points: [p0, p1, p2, p3].map(([x, y], i) => [4 * x * w[i], 4 * y * w[i], -4 * w[i]]) };
 }
 
-/// The largest affine error of a quad that carries a texture once, drawn as two triangles: over its edges and its diagonal.
-export function affineError(w) {
+/// The largest affine error of a quad that carries a texture of this width and height once, drawn as two triangles: over its edges and
+/// its diagonal.
+export function affineError(w, [width, height]) {
   const of = (i, j, change) => change * Math.abs(Math.sqrt(w[i]) - Math.sqrt(w[j])) / (Math.sqrt(w[i]) + Math.sqrt(w[j]));
-  return Math.max(of(0, 1, 1), of(1, 2, 1), of(2, 3, 1), of(3, 0, 1), of(0, 2, Math.SQRT2));
+  return Math.max(of(0, 1, width), of(1, 2, height), of(2, 3, width), of(3, 0, height), of(0, 2, Math.hypot(width, height)));
 }
 
 /// A tilted plane that runs to the horizon, with a texture repeated over it.

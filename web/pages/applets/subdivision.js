@@ -18,7 +18,7 @@ export default {
     const found = quad([[0.06, 0.05], [0.94, 0.5 - half], [0.94, 0.5 + half], [0.06, 0.95]], aspect);
     const text = `eye 0 0 0\nlook 0 0 -1\nfov 90\nbackground 0.8 0.85 0.9\ntexture textures/checker.png\n${v(...found.points)}\ntf 0 0 0 1 1 0 2 1 1 3 0 1\n`;
     const interp = c.method === 'within' ? `within:${c.tolerance}` : `${c.method}:${c.method === 'span' ? Math.max(2, c.n) : Math.min(16, c.n)}`;
-    const expected = c.method === 'subdivided' && c.n === 1 ? 256 * affineError(found.w) : undefined;
-    return { kind: 'draw', file: 'page.scene', text, size: [640, 480], interp, texels: 256, reference: { interp: 'perspective', expected } };
+    const expected = c.method === 'subdivided' && c.n === 1 ? affineError(found.w, [256, 256]) : undefined;
+    return { kind: 'draw', file: 'page.scene', text, size: [640, 480], interp, texels: [256, 256], reference: { interp: 'perspective', expected } };
   },
 };
