@@ -222,12 +222,13 @@ function changed(note = '') {
 async function draw(all) {
   if (busy) { pending = all || pending === true; return; }
   busy = true;
-  const asked = page.request(values, sizes);
+  const drawn = structuredClone(values);
+  const asked = page.request(drawn, sizes);
   const short = quick(page, asked);
   const whole = all || !short;
   const request = whole ? asked : short;
   try {
-    const files = page.files(values).filter((file) => !own.has(file));
+    const files = page.files(drawn).filter((file) => !own.has(file));
     const answer = await call('ask', { files, request });
     if (all) took = answer.ms;
     // Pictures that were replaced are let go.
@@ -235,7 +236,7 @@ async function draw(all) {
       delete sizes[old];
       call('remove', { name: old }).catch(() => {});
     }
-    tell(answer, request, whole);
+    tell(answer, request, whole, drawn);
   } catch (error) {
     words.className = 'error';
     words.textContent = error.message;
@@ -251,8 +252,10 @@ async function draw(all) {
   }
 }
 
-async function tell(answer, request, all) {
-  const resting = JSON.stringify(values) === JSON.stringify(defaults(page));
+let told = 0;
+async function tell(answer, request, all, drawn) {
+  const mine = ++told;
+  const resting = JSON.stringify(drawn) === JSON.stringify(defaults(page));
   answer.panels.forEach((panel, i) => {
     const { canvas, caption } = stage(i);
     show(canvas, panel);
@@ -267,11 +270,11 @@ async function tell(answer, request, all) {
   figures.replaceChildren(...answer.figures.filter((figure) => !['point', 'camera'].includes(figure.unit)).map((figure) => make('tr', {},
     make('td', {}, figure.name), make('td', { class: 'number' }, `${number(figure.value)} ${figure.unit}`,
       ...(figure.expected === undefined ? [] : [make('br', {}), make('small', {}, `theory ${number(figure.expected)}`)])))));
-  source.textContent = page.command ? page.command(values, answer) : request.text ? `texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${['interp', 'filter', 'wrap'].map((flag) => (request[flag] ? ` --${flag} ${request[flag]}` : '')).join('')}\n\npage.scene:\n${request.text}` : JSON.stringify(request, null, 1);
+  source.textContent = page.command ? page.command(drawn, answer) : request.text ? `texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${['interp', 'filter', 'wrap'].map((flag) => (request[flag] ? ` --${flag} ${request[flag]}` : '')).join('')}\n\npage.scene:\n${request.text}` : JSON.stringify(request, null, 1);
+  answer.panels.forEach((panel, i) => stages[i].caption.append(make('span', { class: 'hash' }, ` ${panel.hash} `)));
   const known = (await hashes)[name];
+  if (mine !== told) return;
   answer.panels.forEach((panel, i) => {
-    const hash = make('span', { class: 'hash' }, ` ${panel.hash} `);
-    stages[i]?.caption.append(hash);
     if (resting && known?.[i]) {
       const same = known[i] === panel.hash;
       stages[i]?.caption.append(make('span', { class: same ? 'same' : 'differs' }, same ? 'the bytes of the native program' : `native: ${known[i]}`));
