@@ -270,7 +270,7 @@ async function tell(answer, request, all, drawn) {
   figures.replaceChildren(...answer.figures.filter((figure) => !['point', 'camera'].includes(figure.unit)).map((figure) => make('tr', {},
     make('td', {}, figure.name), make('td', { class: 'number' }, `${number(figure.value)} ${figure.unit}`,
       ...(figure.expected === undefined ? [] : [make('br', {}), make('small', {}, `theory ${number(figure.expected)}`)])))));
-  source.textContent = page.command ? page.command(drawn, answer) : request.text ? `texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${['interp', 'filter', 'wrap'].map((flag) => (request[flag] ? ` --${flag} ${request[flag]}` : '')).join('')}\n\npage.scene:\n${request.text}` : JSON.stringify(request, null, 1);
+  source.textContent = page.command ? page.command(drawn, answer) : request.text ? commandOf(request) : JSON.stringify(request, null, 1);
   answer.panels.forEach((panel, i) => stages[i].caption.append(make('span', { class: 'hash' }, ` ${panel.hash} `)));
   const known = (await hashes)[name];
   if (mine !== told) return;
@@ -281,6 +281,13 @@ async function tell(answer, request, all, drawn) {
     }
   });
   if (resting && known) main.dataset.same = String(answer.panels.every((panel, i) => known[i] === panel.hash));
+}
+
+// The command of a scene and the files that it reads, which are no assets.
+function commandOf(request) {
+  const flags = ['interp', 'filter', 'wrap'].filter((flag) => request[flag]).map((flag) => ` --${flag} ${request[flag]}`).join('');
+  const files = Object.entries({ 'page.scene': request.text, ...request.texts });
+  return [`texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${flags}\n`, ...files.map(([name, text]) => `${name}:\n${text}`)].join('\n');
 }
 
 // The first picture does not wait for its reference.
