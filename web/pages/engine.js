@@ -287,7 +287,7 @@ async function tell(answer, request, all, drawn) {
 function commandOf(request) {
   const flags = ['interp', 'filter', 'wrap'].filter((flag) => request[flag]).map((flag) => ` --${flag} ${request[flag]}`).join('');
   const files = Object.entries({ 'page.scene': request.text, ...request.texts });
-  return [`texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${flags}\n`, ...files.map(([name, text]) => `${name}:\n${text}`)].join('\n');
+  return [`texmap render page.scene -o page.png --resolution ${request.size?.join('x')}${flags}\n${page.remark ? `# ${page.remark}\n` : ''}`, ...files.map(([name, text]) => `${name}:\n${text}`)].join('\n');
 }
 
 // The first picture does not wait for its reference.

@@ -5,6 +5,7 @@ export default {
   slide: 'MIT 6.837 (2001), lecture 18, slides 28 to 31: "What\'s the best chart?"',
   text: ['All directions on one picture, and a ball that mirrors it. Charts of as many texels differ in where they spend them. The error is against the whole picture.'],
   formula: 'R = 2 (N·V) N − V; the chart takes R to a texel; all rays start at the centre',
+  remark: 'the picture that the error is against: the mirror of the whole sky, without the chart',
   drag: ['yaw', 'pitch'],
   controls: [
     { id: 'layout', kind: 'choice', label: 'Layout', value: 'cube', options: ['cube', 'tan-cube', 'lat-long', 'octahedron', 'equal-area-octahedron', 'dual-paraboloid', 'sphere-map'] },

@@ -6,6 +6,7 @@ export default {
   slide: 'SUSTech lecture 08; Greene and Heckbert 1986',
   text: ['The pixel under the handle covers the red quad of the texture. Filters average it by one texel, four, a level of the chain, or along its longer axis. The error is against 8 × 8 samples a pixel.'],
   formula: 'level = log₂ of the longer axis\nanisotropic: N probes along it\nEWA: a Gaussian over the ellipse',
+  remark: 'the picture without the frame around the pixel of the handle',
   controls: [
     filter,
     { id: 'pixel', kind: 'points', label: 'Pixel', value: [[0.5, 0.45]], names: ['+'] },
