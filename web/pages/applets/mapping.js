@@ -16,5 +16,6 @@ export default {
   even: true,
   files: (c) => [`models/${c.model}.obj`, ...(['ball_plain'].includes(c.model) ? [] : [`models/${c.model}.mtl`])],
   request: (c) => ({ kind: 'mapping', model: `models/${c.model}.obj`, shape: c.shape, by: c.by, repeat: [c.repeat, c.repeat], seams: c.seams, view: c.view, size: 360 }),
-  command: (c) => `texmap uv models/${c.model}.obj -o new.obj --map ${c.shape} --report`,
+  // The program knows seams and poles of the cylinder and the sphere alone.
+  command: (c) => `texmap uv models/${c.model}.obj -o new.obj --map ${c.shape} --by ${c.by} --repeat ${c.repeat},${c.repeat}${c.seams && ['sphere', 'cylinder'].includes(c.shape) ? ' --fix-seams' : ''} --report`,
 };
