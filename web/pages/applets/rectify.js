@@ -14,9 +14,10 @@ export default {
     { ...ownPicture, label: 'Your own photo (or drop it on the page)' },
   ],
   files: (c) => [c.own || 'photos/room.png'],
-  request: (c) => ({ kind: 'rectify', photo: c.own || 'photos/room.png', from: c.from, size: [c.width, c.height], filter: c.filter, shown: 480 }),
+  request: (c) => ({ kind: 'rectify', photo: c.own || 'photos/room.png', from: c.from.map((point) => point.map((part) => Math.round(part * 1e4) / 1e4)), size: [c.width, c.height], filter: c.filter, shown: 480 }),
   command(c, answer) {
-    const at = answer.figures.filter((figure) => figure.unit === 'point').map((figure) => figure.value.toFixed(2));
+    // All digits, for the same bytes.
+    const at = answer.figures.filter((figure) => figure.unit === 'point').map((figure) => figure.value);
     const points = [0, 2, 4, 6].map((i) => `${at[i]},${at[i + 1]}`).join(' ');
     return `texmap warp ${c.own ? 'photo' : 'docs/images/purple_cow.png'} -o plane.png --size ${c.width}x${c.height} --filter ${c.filter} --from ${points}`;
   },
