@@ -14,5 +14,5 @@ export default {
   request: (c) => ({ kind: 'light-map', size: Number(c.size), frame: c.frame, of: 48, ...(c.own ? { file: c.own } : {}) }),
   command: (c) => (c.own
     ? `# The page gives every mesh a map; with the program, for meshes that have coordinates and a spot light NAME in the file:\ntexmap bake ${c.own} --light --object all --except NAME --size 256 -o 'maps/{object}.exr'\ntexmap render ${c.own} --light-path spot.json --light NAME --frames 48 -o spot%02d.png`
-    : `texmap demo light-maps --frames 48 --size ${c.size} -o spot%02d.png`),
+    : `texmap demo light-maps --frames 48 -o spot%02d.png    # draws 384 x 384 pixels`),
 };
