@@ -1,6 +1,7 @@
 // The scene page: files that are dropped, drawn as `texmap render` draws them.
 
 import { add as addFiles, call, make, number, save, show, start } from './lab.js';
+import { quoted } from './values.js';
 
 start();
 
@@ -151,7 +152,7 @@ async function changed() {
     words.textContent = [`${Math.round(answer.ms)} ms`, ...answer.warnings].join(' · ');
     const flags = ['filter', 'interp', 'wrap', 'aov'].filter((name) => request[name]).map((name) => ` --${name} ${request[name]}`).join('');
     const camera = request.camera ? ` --camera-eye=${request.camera.eye.join(',')} --camera-look=${request.camera.look.join(',')}` : '';
-    command.textContent = `texmap render ${request.file} -o picture.png --resolution ${width}x${height}${flags}${camera}\ntexmap hash picture.png    # ${answer.panels[0].hash}`;
+    command.textContent = `texmap render ${quoted(request.file)} -o picture.png --resolution ${width}x${height}${flags}${camera}\ntexmap hash picture.png    # ${answer.panels[0].hash}`;
   } catch (error) {
     words.className = 'error';
     words.textContent = error.message;

@@ -1,5 +1,8 @@
 // The values that the controls of an applet begin with, and the moves that tests make; no browser needed.
 
+/// A name as a word of a shell.
+export const quoted = (name) => (/^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`);
+
 export function defaults(page) {
   return Object.fromEntries(page.controls.map((control) => [control.id, structuredClone(control.value)]));
 }

@@ -1,3 +1,5 @@
+import { quoted } from '../values.js';
+
 export default {
   title: 'Light maps and a moving spot',
   slide: 'MIT 6.837 (2001), lecture 18, slide 19; Abrash 1997, chapter 68',
@@ -13,6 +15,6 @@ export default {
   files: () => [],
   request: (c) => ({ kind: 'light-map', size: Number(c.size), frame: c.frame, of: 48, ...(c.own ? { file: c.own } : {}) }),
   command: (c) => (c.own
-    ? `# The page gives every mesh a map; with the program, for meshes that have coordinates and a spot light NAME in the file:\ntexmap bake ${c.own} --light --object all --except NAME --size 256 -o 'maps/{object}.exr'\ntexmap render ${c.own} --light-path spot.json --light NAME --frames 48 -o spot%02d.png`
+    ? `# The page gives every mesh a map; with the program, for meshes that have coordinates and a spot light NAME in the file:\ntexmap bake ${quoted(c.own)} --light --object all --except NAME --size 256 -o 'maps/{object}.exr'\ntexmap render ${quoted(c.own)} --light-path spot.json --light NAME --frames 48 -o spot%02d.png`
     : `texmap demo light-maps --frames 48 -o spot%02d.png    # draws 384 x 384 pixels`),
 };
