@@ -223,11 +223,12 @@ async function draw(all) {
   if (busy) { pending = all || pending === true; return; }
   busy = true;
   const drawn = structuredClone(values);
-  const asked = page.request(drawn, sizes);
-  const short = quick(page, asked);
-  const whole = all || !short;
-  const request = whole ? asked : short;
+  let whole = all;
   try {
+    const asked = page.request(drawn, sizes);
+    const short = quick(page, asked);
+    whole ||= !short;
+    const request = whole ? asked : short;
     const files = page.files(drawn).filter((file) => !own.has(file));
     const answer = await call('ask', { files, request });
     if (all) took = answer.ms;

@@ -15,8 +15,9 @@ export default {
   request(c, sizes) {
     const texels = texelsOf(picked(c), sizes);
     const found = quad(c.corners, aspect);
-    const text = found ? `eye 0 0 0\nlook 0 0 -1\nfov 90\nbackground 0.8 0.85 0.9\nfilter ${c.filter}\ntexture ${picked(c)}\n${v(...found.points)}\ntf 0 0 0 1 1 0 2 1 1 3 0 1\n` : '# These four points are no convex quad: move one.\n';
-    const expected = c.interp === 'affine' && found ? affineError(found.w, texels) : c.interp === 'perspective' ? 0 : undefined;
+    if (!found) throw new Error('these four points are no convex quad: move one');
+    const text = `eye 0 0 0\nlook 0 0 -1\nfov 90\nbackground 0.8 0.85 0.9\nfilter ${c.filter}\ntexture ${picked(c)}\n${v(...found.points)}\ntf 0 0 0 1 1 0 2 1 1 3 0 1\n`;
+    const expected = c.interp === 'affine' ? affineError(found.w, texels) : c.interp === 'perspective' ? 0 : undefined;
     return { kind: 'draw', file: 'page.scene', text, size: [640, 480], interp: c.interp, texels, reference: { interp: 'perspective', expected } };
   },
 };

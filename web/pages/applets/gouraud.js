@@ -16,7 +16,7 @@ export default {
   formula: 'seam in the middle of an edge: |c₂ − c₁| |1 − r| / (2 (1 + r)), r = z₂/z₁',
   controls: [
     { id: 'gouraud', kind: 'choice', label: 'Colours are linear', value: 'screen', options: [['screen', 'on the screen (Gouraud)'], ['perspective', 'on the surface']] },
-    { id: 'ratio', kind: 'range', label: 'r = far / near', min: 1, max: 12, step: 0.1, value: 5 },
+    { id: 'ratio', kind: 'range', label: 'r = far / near', min: 1.1, max: 12, step: 0.1, value: 5 },
     { id: 'joint', kind: 'check', label: 'T-joint: the right side has a vertex in the middle', value: true },
     { id: 'height', kind: 'range', label: 'Eye', min: -0.2, max: 3, step: 0.05, value: 1 },
   ],
