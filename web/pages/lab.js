@@ -4,6 +4,8 @@ const query = new URLSearchParams(location.search);
 const waiting = new Map();
 let last = 0;
 let worker = null;
+let lost = false;
+const unloaded = () => new Error('the module cannot be loaded\nreload the page');
 
 /// Starts the Worker, which loads the module: pages that draw call this first of all.
 export function start() {
@@ -15,15 +17,17 @@ export function start() {
     if (data.error !== undefined) reject(new Error(data.error));
     else resolve(data.result);
   };
-  // A script that cannot be loaded answers nothing.
+  // A script that cannot be loaded answers nothing, neither now nor later.
   worker.onerror = () => {
-    for (const { reject } of waiting.values()) reject(new Error('the module cannot be loaded\nreload the page'));
+    lost = true;
+    for (const { reject } of waiting.values()) reject(unloaded());
     waiting.clear();
   };
 }
 
 export function call(command, values = {}, moved = []) {
   start();
+  if (lost) return Promise.reject(unloaded());
   return new Promise((resolve, reject) => {
     waiting.set(++last, { resolve, reject });
     worker.postMessage({ id: last, command, ...values }, moved);
