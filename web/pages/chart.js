@@ -1,6 +1,6 @@
 // Speed against accuracy, measured in this browser: a point for each method, its picture behind it.
 
-import { call, make, number, show, start } from './lab.js';
+import { call, make, number, show, start, tell } from './lab.js';
 import { affineError, plane, quad, v } from './applets/scenes.js';
 
 start();
@@ -21,17 +21,17 @@ for (const [name, value] of [['width', '100%'], ['role', 'img'], ['aria-label', 
 const canvas = make('canvas', { role: 'img', 'aria-label': 'picture of the chosen method' });
 const caption = make('figcaption', {});
 const table = make('table', {});
+const words = make('p', { role: 'status' });
 main.append(
   make('h1', {}, 'Speed against accuracy'),
   make('p', { class: 'soft' }, 'Every method of a scene, timed in this browser: left is faster, lower is more accurate. Choose a point for its picture.'),
-  make('div', { class: 'lab' }, make('div', {}, svg, make('figure', {}, make('div', { class: 'stage' }, canvas), caption)),
-    make('div', {}, make('form', { 'aria-label': 'Controls', onsubmit: (event) => event.preventDefault() }, make('label', {}, 'Scene', choice), make('button', { type: 'button', onclick: measure }, 'Measure again')), table)),
+  make('div', { class: 'lab' }, make('div', {}, svg, make('figure', {}, make('div', { class: 'stage' }, canvas), caption), words),
+    make('div', {}, make('form', { 'aria-label': 'Controls', onsubmit: (event) => event.preventDefault() }, make('label', {}, 'Scene', choice), make('button', { type: 'button', onclick: begin }, 'Measure again')), table)),
 );
 
 let run = 0;
 let chosen = 0;
-async function measure() {
-  const mine = ++run;
+async function measure(mine) {
   main.dataset.state = 'busy';
   const panel = PANELS[choice.value];
   const points = [];
@@ -104,5 +104,18 @@ function pick(points, i) {
 }
 const panelError = (p) => `error ${number(p.error)} ${p.unit}`;
 
-choice.addEventListener('change', measure);
-measure();
+/// Measures, and tells why it cannot.
+async function begin() {
+  const mine = ++run;
+  words.textContent = '';
+  try {
+    await measure(mine);
+  } catch (error) {
+    if (mine !== run) return;
+    tell(words, error);
+    main.dataset.state = 'ready';
+  }
+}
+
+choice.addEventListener('change', begin);
+begin();

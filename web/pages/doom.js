@@ -1,6 +1,6 @@
 // Purple Cow Doom: keys, mouse or touch to the Worker, frames back.
 
-import { call, hashes, make, number, show, start } from './lab.js';
+import { call, hashes, make, number, show, start, tell } from './lab.js';
 
 start();
 
@@ -73,7 +73,8 @@ async function frame() {
     const [width, height] = size.value.split('x').map(Number);
     const input = { steps, buttons: held | touched, turn, raise, width, height, filter: filter.value, affine: affine.checked };
     [turn, raise] = [0, 0];
-    const drawn = await call('frame', input);
+    let drawn;
+    try { drawn = await call('frame', input); } catch (error) { tell(counter, error); return; }
     show(canvas, { ...drawn, width, height });
     shown.push(performance.now());
     while (shown[0] < shown.at(-1) - 1000) shown.shift();
@@ -88,17 +89,27 @@ async function record({ target }) {
   running = false;
   recorded.textContent = 'playing …';
   const [width, height] = size.value.split('x').map(Number);
-  const { hash, ms, frames } = await call('play', { width, height, every: 1 });
-  const native = (await hashes)[`doom ${width}x${height}`]?.[0];
-  const same = native ? (native === hash ? ' the bytes of the native program' : ` native: ${native}`) : '';
-  recorded.textContent = `${frames} frames in ${(ms / 1000).toFixed(2)} s: ${(1000 * frames / ms).toFixed(1)} frames/s. Last frame ${hash}${same}`;
-  recorded.className = native ? `hash ${native === hash ? 'same' : 'differs'}` : 'hash';
-  main.dataset.recorded = hash;
-  main.dataset.rate = String(1000 * frames / ms);
-  running = true;
-  target.disabled = false;
+  recorded.className = 'hash';
+  try {
+    const { hash, ms, frames } = await call('play', { width, height, every: 1 });
+    const native = (await hashes)[`doom ${width}x${height}`]?.[0];
+    const same = native ? (native === hash ? ' the bytes of the native program' : ` native: ${native}`) : '';
+    recorded.textContent = `${frames} frames in ${(ms / 1000).toFixed(2)} s: ${(1000 * frames / ms).toFixed(1)} frames/s. Last frame ${hash}${same}`;
+    recorded.className = native ? `hash ${native === hash ? 'same' : 'differs'}` : 'hash';
+    main.dataset.recorded = hash;
+    main.dataset.rate = String(1000 * frames / ms);
+  } catch (error) {
+    tell(recorded, error);
+  } finally {
+    running = true;
+    target.disabled = false;
+  }
 }
 
-await call('room', { files: FILES });
+try {
+  await call('room', { files: FILES });
+  frame();
+} catch (error) {
+  tell(counter, error);
+}
 main.dataset.state = 'ready';
-frame();

@@ -67,6 +67,12 @@ export function show(canvas, panel) {
   canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(panel.rgba), panel.width, panel.height), 0, 0);
 }
 
+/// Tells an error in an element of words.
+export function tell(words, error) {
+  words.className = 'error';
+  words.textContent = error.message;
+}
+
 export function number(value) {
   if (value === null) return 'not finite';
   const size = Math.abs(value);
