@@ -24,7 +24,7 @@ const table = make('table', {});
 const words = make('p', { role: 'status' });
 main.append(
   make('h1', {}, 'Speed against accuracy'),
-  make('p', { class: 'soft' }, 'Every method of a scene, timed in this browser: left is faster, lower is more accurate. Choose a point for its picture.'),
+  make('p', { class: 'soft' }, 'Every method of a scene, timed in this browser: left is faster, lower is more accurate. A time is that of a whole request: reading the scene and decoding its texture are in it, the same for every method. Choose a point for its picture.'),
   make('div', { class: 'lab' }, make('div', {}, svg, make('figure', {}, make('div', { class: 'stage' }, canvas), caption), words),
     make('div', {}, make('form', { 'aria-label': 'Controls', onsubmit: (event) => event.preventDefault() }, make('label', {}, 'Scene', choice), make('button', { type: 'button', onclick: begin }, 'Measure again')), table)),
 );
