@@ -1,6 +1,6 @@
 // Purple Cow Doom: keys, mouse or touch to the Worker, frames back.
 
-import { call, hashes, make, number, show, start, tell } from './lab.js';
+import { call, dragged, hashes, make, number, show, start, tell } from './lab.js';
 
 start();
 
@@ -48,16 +48,18 @@ addEventListener('keyup', (event) => { held &= ~(KEYS[event.code] ?? 0); });
 addEventListener('blur', () => { held = 0; });
 let [turn, raise] = [0, 0];
 canvas.addEventListener('click', () => { canvas.focus(); if (matchMedia('(pointer: fine)').matches) canvas.requestPointerLock?.(); });
-let dragged = null;
-canvas.addEventListener('pointerdown', (event) => { dragged = [event.clientX, event.clientY]; canvas.setPointerCapture(event.pointerId); });
-canvas.addEventListener('pointerup', () => { dragged = null; });
-canvas.addEventListener('pointermove', (event) => {
-  let [dx, dy] = [0, 0];
-  if (document.pointerLockElement === canvas) [dx, dy] = [event.movementX, event.movementY];
-  else if (dragged) { [dx, dy] = [dragged[0] - event.clientX, dragged[1] - event.clientY].map((k) => -k); dragged = [event.clientX, event.clientY]; }
+const look = (dx, dy) => {
   turn -= dx * 0.003;
   raise -= dy * 0.003;
+};
+dragged(canvas, (press) => {
+  let [x, y] = [press.clientX, press.clientY];
+  return (event) => {
+    look(event.clientX - x, event.clientY - y);
+    [x, y] = [event.clientX, event.clientY];
+  };
 });
+canvas.addEventListener('pointermove', (event) => { if (document.pointerLockElement === canvas) look(event.movementX, event.movementY); });
 
 let running = true;
 let clock = performance.now();

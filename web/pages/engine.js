@@ -1,6 +1,6 @@
 // The engine of the applets: controls from a list, a request from their values, pictures and figures from the answer.
 
-import { add, call, hashes, make, number, save, show, start } from './lab.js';
+import { add, call, dragged, hashes, make, number, save, show, start } from './lab.js';
 import { defaults, quick } from './values.js';
 
 start();
@@ -57,17 +57,14 @@ function handles(control, box) {
         const [x, y] = values[control.id][i];
         put(x + way[0], y + way[1]);
       } }, control.names?.[i] ?? String(i + 1));
-    handle.addEventListener('pointerdown', (event) => {
-      event.preventDefault();
-      event.stopPropagation();
+    dragged(handle, (press) => {
+      press.preventDefault();
+      press.stopPropagation();
       handle.focus();
-      handle.setPointerCapture(event.pointerId);
-      const move = (event) => {
+      return (event) => {
         const rect = box.getBoundingClientRect();
         put((event.clientX - rect.left) / rect.width, (event.clientY - rect.top) / rect.height);
       };
-      handle.addEventListener('pointermove', move);
-      handle.addEventListener('pointerup', () => handle.removeEventListener('pointermove', move), { once: true });
     });
     box.append(handle);
     return handle;
@@ -85,10 +82,9 @@ function place(control) {
 
 // Dragging the picture moves two sliders.
 function drag(box) {
-  box.addEventListener('pointerdown', (event) => {
-    box.setPointerCapture(event.pointerId);
-    let [x, y] = [event.clientX, event.clientY];
-    const move = (event) => {
+  dragged(box, (press) => {
+    let [x, y] = [press.clientX, press.clientY];
+    return (event) => {
       for (const [id, way] of [[page.drag[0], x - event.clientX], [page.drag[1], event.clientY - y]]) {
         const control = page.controls.find((control) => control.id === id);
         if (!control) continue;
@@ -98,8 +94,6 @@ function drag(box) {
       [x, y] = [event.clientX, event.clientY];
       changed();
     };
-    box.addEventListener('pointermove', move);
-    box.addEventListener('pointerup', () => box.removeEventListener('pointermove', move), { once: true });
   });
 }
 

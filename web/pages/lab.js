@@ -60,6 +60,24 @@ export function make(tag, attributes = {}, ...children) {
   return element;
 }
 
+/// Follows drags with the main button: `begin` gets the press and returns what its moves call, until the pointer is released or lost.
+export function dragged(element, begin) {
+  element.addEventListener('pointerdown', (press) => {
+    if (press.button !== 0 || document.pointerLockElement) return;
+    element.setPointerCapture(press.pointerId);
+    const step = begin(press);
+    const move = (event) => { if (event.pointerId === press.pointerId) step(event); };
+    const ends = ['pointerup', 'pointercancel', 'lostpointercapture'];
+    const end = (event) => {
+      if (event.pointerId !== press.pointerId) return;
+      element.removeEventListener('pointermove', move);
+      for (const name of ends) element.removeEventListener(name, end);
+    };
+    element.addEventListener('pointermove', move);
+    for (const name of ends) element.addEventListener(name, end);
+  });
+}
+
 export function show(canvas, panel) {
   if (canvas.width !== panel.width || canvas.height !== panel.height) [canvas.width, canvas.height] = [panel.width, panel.height];
   canvas.style.imageRendering = panel.width < 200 ? 'pixelated' : '';

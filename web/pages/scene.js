@@ -1,6 +1,6 @@
 // The scene page: files that are dropped, drawn as `texmap render` draws them.
 
-import { add as addFiles, call, make, number, save, show, start } from './lab.js';
+import { add as addFiles, call, dragged, make, number, save, show, start } from './lab.js';
 import { quoted } from './values.js';
 
 start();
@@ -59,18 +59,15 @@ main.append(
   make('details', { open: true }, make('summary', {}, 'The command'), command),
 );
 
-box.addEventListener('pointerdown', (event) => {
-  box.setPointerCapture(event.pointerId);
-  let at = [event.clientX, event.clientY];
-  const move = (event) => {
+dragged(box, (press) => {
+  let at = [press.clientX, press.clientY];
+  return (event) => {
     yaw.value = String(Number(yaw.value) - (event.clientX - at[0]) * 0.4);
     pitch.value = String(Number(pitch.value) + (event.clientY - at[1]) * 0.3);
     at = [event.clientX, event.clientY];
     state.moved = true;
     changed();
   };
-  box.addEventListener('pointermove', move);
-  box.addEventListener('pointerup', () => box.removeEventListener('pointermove', move), { once: true });
 });
 box.addEventListener('wheel', (event) => { event.preventDefault(); zoom.value = String(Number(zoom.value) + event.deltaY * 0.001); state.moved = true; changed(); }, { passive: false });
 input.addEventListener('change', () => take([...input.files]));
