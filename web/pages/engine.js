@@ -132,11 +132,7 @@ for (const control of page.controls) {
     input.addEventListener('change', () => take([...input.files]));
     control.set = (value) => { values[control.id] = value; input.value = ''; given++; };
     form.append(make('label', {}, control.label, input));
-    document.addEventListener('dragover', (event) => event.preventDefault());
-    document.addEventListener('drop', (event) => {
-      event.preventDefault();
-      take([...event.dataTransfer.files]);
-    });
+    document.addEventListener('drop', (event) => take([...event.dataTransfer.files]));
   }
 }
 form.append(make('div', {}, make('button', { type: 'button', id: 'reset', onclick: reset }, 'Reset'), ' ',
@@ -170,10 +166,15 @@ async function picture(control, file) {
 
 // A scene or model with its files; maps that come later belong to the one that is shown.
 async function scene(control, files) {
-  const { names, main } = await add(files);
-  names.forEach((name) => own.add(name));
-  if (main) values[control.id] = main;
-  changed();
+  main.dataset.state = 'busy';
+  try {
+    const { names, main: first, note } = await add(files);
+    names.forEach((name) => own.add(name));
+    if (first) values[control.id] = first;
+    changed(note);
+  } catch (error) {
+    changed(error.message);
+  }
 }
 
 function reset() {
@@ -234,7 +235,7 @@ async function draw(all) {
     tell(answer, request, whole, drawn);
   } catch (error) {
     words.className = 'error';
-    words.textContent = error.message;
+    words.textContent = [noted, error.message].filter(Boolean).join('\n');
   }
   busy = false;
   if (pending !== null) {

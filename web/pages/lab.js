@@ -34,18 +34,29 @@ export function call(command, values = {}, moved = []) {
   });
 }
 
-/// Gives the Worker files of the user; all names, and that of the scene or model among them if there is one.
+// A file beside those that take it would replace the page.
+for (const name of ['dragover', 'drop']) addEventListener(name, (event) => event.preventDefault());
+
+const KINDS = ['scene', 'glb', 'gltf', 'obj', 'ply', 'stl'];
+const PARTS = ['mtl', 'bin', 'json', 'path', 'inc', 'png', 'jpg', 'jpeg', 'webp', 'gif', 'bmp', 'tga', 'tif', 'tiff', 'qoi', 'dds', 'ktx2', 'hdr', 'exr', 'npy'];
+
+/// Gives the Worker files of the user: all names, that of the scene or model among them if there is one, and a note on files that are no
+/// part of one.
 export async function add(files) {
-  const kinds = ['scene', 'glb', 'gltf', 'obj', 'ply', 'stl'];
   const names = [];
   for (const file of files) {
     const name = file.webkitRelativePath || file.name;
-    const bytes = await file.arrayBuffer();
+    // Folders are dropped as files that cannot be read.
+    const bytes = await file.arrayBuffer().catch((error) => { throw new Error(`${name} cannot be read: ${error.message}`); });
     await call('add', { name, bytes }, [bytes]);
     names.push(name);
   }
-  const rank = (name) => kinds.indexOf(name.split('.').pop().toLowerCase());
-  return { names, main: names.filter((name) => rank(name) >= 0).sort((a, b) => rank(a) - rank(b))[0] };
+  const ending = (name) => name.split('.').pop().toLowerCase();
+  const rank = (name) => KINDS.indexOf(ending(name));
+  const [main] = names.filter((name) => rank(name) >= 0).sort((a, b) => rank(a) - rank(b));
+  // A model comes with files of any kind.
+  const others = main ? [] : names.filter((name) => !PARTS.includes(ending(name)));
+  return { names, main, note: others.length ? `${others.join(', ')}: not a scene, model or picture` : '' };
 }
 
 /// An element with attributes and children; `on...` attributes are listeners.

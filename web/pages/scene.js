@@ -71,16 +71,18 @@ dragged(box, (press) => {
 });
 box.addEventListener('wheel', (event) => { event.preventDefault(); zoom.value = String(Number(zoom.value) + event.deltaY * 0.001); state.moved = true; changed(); }, { passive: false });
 input.addEventListener('change', () => take([...input.files]));
-addEventListener('dragover', (event) => event.preventDefault());
-addEventListener('drop', (event) => { event.preventDefault(); take([...event.dataTransfer.files]); });
+addEventListener('drop', (event) => take([...event.dataTransfer.files]));
 
 async function take(files) {
-  const { names, main } = await addFiles(files);
-  dropped.push(...names);
-  if (!main) { changed(); return; }
-  if (![...file.options].some((o) => o.value === main)) file.append(make('option', { value: main }, main));
-  file.value = main;
-  choose(main, []);
+  if (!files.length) return;
+  main.dataset.state = 'busy';
+  let found;
+  try { found = await addFiles(files); } catch (error) { changed(error.message); return; }
+  dropped.push(...found.names);
+  if (!found.main) { changed(found.note); return; }
+  if (![...file.options].some((o) => o.value === found.main)) file.append(make('option', { value: found.main }, found.main));
+  file.value = found.main;
+  choose(found.main, []);
 }
 
 function choose(name, files) {
@@ -125,7 +127,10 @@ function eye() {
 
 let busy = false;
 let pending = false;
-async function changed() {
+let noted = '';
+// A note stays until something changes again.
+async function changed(note = '') {
+  noted = note;
   main.dataset.state = 'busy';
   if (busy) { pending = true; return; }
   busy = true;
@@ -145,17 +150,17 @@ async function changed() {
       const at = answer.figures.map((figure) => figure.value);
       state.camera = { eye: at.slice(0, 3), look: at.slice(3, 6), up: at.slice(6, 9) };
     }
-    words.className = 'soft';
-    words.textContent = [`${Math.round(answer.ms)} ms`, ...answer.warnings].join(' · ');
+    words.className = noted ? 'error' : 'soft';
+    words.textContent = [noted, `${Math.round(answer.ms)} ms`, ...answer.warnings].filter(Boolean).join(' · ');
     const flags = ['filter', 'interp', 'wrap', 'aov'].filter((name) => request[name]).map((name) => ` --${name} ${request[name]}`).join('');
     const camera = request.camera ? ` --camera-eye=${request.camera.eye.join(',')} --camera-look=${request.camera.look.join(',')}` : '';
     command.textContent = `texmap render ${quoted(request.file)} -o picture.png --resolution ${width}x${height}${flags}${camera}\ntexmap hash picture.png    # ${answer.panels[0].hash}`;
   } catch (error) {
     words.className = 'error';
-    words.textContent = error.message;
+    words.textContent = [noted, error.message].filter(Boolean).join('\n');
   }
   busy = false;
-  if (pending) { pending = false; changed(); return; }
+  if (pending) { pending = false; changed(noted); return; }
   main.dataset.state = 'ready';
   main.dataset.draws = String(Number(main.dataset.draws ?? 0) + 1);
 }
