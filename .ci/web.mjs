@@ -69,6 +69,14 @@ async function set(page, control, value, from) {
   await ready(page);
 }
 
+/// Sizes of the textures that pages offer, which figures in texels need.
+const { texelsOf, texture } = await import(new URL('../web/pages/applets/scenes.js', import.meta.url));
+for (const [file] of texture.options) {
+  const header = readFileSync(join(root, 'assets', file));
+  const size = [header.readUInt32BE(16), header.readUInt32BE(20)].join();
+  if (texelsOf(file).join() !== size) fault('scenes.js', `${file} has ${size} texels, not ${texelsOf(file)}`);
+}
+
 /// The page of an applet: the hashes of its first pictures, then those after a move of each control.
 async function applet(name) {
   const { default: definition } = await import(new URL(`../web/pages/applets/${name}.js`, import.meta.url));
@@ -215,6 +223,14 @@ async function scene() {
   await ready(page);
   if (!(await words(page))?.includes('bad.scene:2')) fault('scene', `a bad file tells ${await words(page)}`);
   if (before === '') fault('scene', 'no picture');
+  // So does one that is none, beside the picture of the file before.
+  await page.selectOption('#file', 'models/cow.obj');
+  await page.waitForTimeout(50);
+  await ready(page);
+  await page.setInputFiles('#files', [{ name: 'pack.zip', mimeType: 'application/zip', buffer: Buffer.from('PK') }]);
+  await page.waitForTimeout(50);
+  await ready(page);
+  if (!(await words(page))?.includes('pack.zip: not a scene, model or picture')) fault('scene', `pack.zip tells ${await words(page)}`);
   console.log('web: scene: own file drawn, downloaded, a bad one told');
   await context.close();
 }
