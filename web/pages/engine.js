@@ -260,7 +260,7 @@ async function tell(answer, request, all, drawn) {
     caption.replaceChildren(panel.name);
   });
   words.className = noted ? 'error' : 'soft';
-  words.textContent = [noted, `${Math.round(answer.ms)} ms`, ...answer.warnings].filter(Boolean).join(' · ');
+  words.textContent = (noted && `${noted}\n`) + [`${Math.round(answer.ms)} ms`, ...answer.warnings].join(' · ');
   if (!all) return;
   while (stages.length > answer.panels.length) stages.pop().box.parentElement.remove();
   figures.replaceChildren(...answer.figures.filter((figure) => !['point', 'camera'].includes(figure.unit)).map((figure) => make('tr', {},

@@ -151,7 +151,7 @@ async function changed(note = '') {
       state.camera = { eye: at.slice(0, 3), look: at.slice(3, 6), up: at.slice(6, 9) };
     }
     words.className = noted ? 'error' : 'soft';
-    words.textContent = [noted, `${Math.round(answer.ms)} ms`, ...answer.warnings].filter(Boolean).join(' · ');
+    words.textContent = (noted && `${noted}\n`) + [`${Math.round(answer.ms)} ms`, ...answer.warnings].join(' · ');
     const flags = ['filter', 'interp', 'wrap', 'aov'].filter((name) => request[name]).map((name) => ` --${name} ${request[name]}`).join('');
     const camera = request.camera ? ` --camera-eye=${request.camera.eye.join(',')} --camera-look=${request.camera.look.join(',')}` : '';
     command.textContent = `texmap render ${quoted(request.file)} -o picture.png --resolution ${width}x${height}${flags}${camera}\ntexmap hash picture.png    # ${answer.panels[0].hash}`;
