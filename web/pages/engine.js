@@ -159,7 +159,7 @@ async function picture(control, file) {
     values[control.id] = known;
     changed();
   } catch (error) {
-    changed(`${file.name}: ${error.message.replaceAll(known, file.name)}`);
+    changed(`${file.name}: ${error.message.replace(/^texture\.scene:[\d:]+ /, '').replace(`${known}: `, '')}`);
     call('remove', { name: known }).catch(() => {});
   }
 }
