@@ -108,7 +108,10 @@ mod tests {
         assert_eq!(
             format!(
                 "{:?}",
-                Held::new([("b".into(), [].into()), ("a".into(), [1].into())])
+                Held::new([
+                    ("b".into(), Arc::from([0; 0])),
+                    ("a".into(), Arc::from([1]))
+                ])
             ),
             r#"{"a", "b"}"#
         );
