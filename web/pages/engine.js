@@ -141,40 +141,45 @@ form.append(make('div', {}, make('button', { type: 'button', id: 'reset', onclic
 // Width and height of the user's pictures, by name.
 const sizes = {};
 let given = 0;
+// Files that are being read: until then the page is busy.
+let taking = 0;
 async function picture(control, file) {
   // A name of its own for each file: the old picture stays until the new one is there, and of two that come together the later one wins.
   const mine = ++given;
-  main.dataset.state = 'busy';
   const [ending] = file.name.match(/\.[A-Za-z0-9]{1,5}$/) ?? [''];
   const known = `own-${mine}${ending}`;
+  let note = '';
+  let size = null;
+  taking++;
+  main.dataset.state = 'busy';
   try {
     const bytes = await file.arrayBuffer();
     await call('add', { name: known, bytes }, [bytes]);
     // The module refuses what is no picture; of others the corners tell the size.
     const request = { kind: 'rectify', photo: known, from: [[0, 0], [1, 0], [1, 1], [0, 1]], size: [1, 1], filter: 'nearest', shown: 64 };
     const { figures } = await call('ask', { request });
-    if (mine !== given) return call('remove', { name: known });
-    own.add(known);
-    sizes[known] = figures.filter((figure) => figure.unit === 'point').slice(4, 6).map((figure) => figure.value);
-    values[control.id] = known;
-    changed();
+    size = figures.filter((figure) => figure.unit === 'point').slice(4, 6).map((figure) => figure.value);
   } catch (error) {
-    changed(`${file.name}: ${error.message.replace(/^texture\.scene:[\d:]+ /, '').replace(`${known}: `, '')}`);
-    call('remove', { name: known }).catch(() => {});
+    note = `${file.name}: ${error.message.replace(/^texture\.scene:[\d:]+ /, '').replace(`${known}: `, '')}`;
   }
+  taking--;
+  if (size && mine === given) {
+    own.add(known);
+    sizes[known] = size;
+    values[control.id] = known;
+  } else call('remove', { name: known }).catch(() => {});
+  changed(mine === given ? note : noted);
 }
 
 // A scene or model with its files; maps that come later belong to the one that is shown.
 async function scene(control, files) {
+  taking++;
   main.dataset.state = 'busy';
-  try {
-    const { names, main: first, note } = await add(files);
-    names.forEach((name) => own.add(name));
-    if (first) values[control.id] = first;
-    changed(note);
-  } catch (error) {
-    changed(error.message);
-  }
+  const { names, main: first, note } = await add(files).catch((error) => ({ names: [], note: error.message }));
+  taking--;
+  names.forEach((name) => own.add(name));
+  if (first) values[control.id] = first;
+  changed(note);
 }
 
 function reset() {
@@ -242,7 +247,7 @@ async function draw(all) {
     const next = pending;
     pending = null;
     draw(next);
-  } else if (whole) {
+  } else if (whole && !taking) {
     main.dataset.state = 'ready';
     main.dataset.draws = String(Number(main.dataset.draws ?? 0) + 1);
   }
