@@ -29,6 +29,20 @@ impl Eye {
         (scene.camera.eye, scene.camera.look) = (self.eye, self.look);
     }
 
+    /// Back to the first view.
+    pub(crate) fn home(&mut self) {
+        *self = Self::of(&self.first);
+    }
+
+    /// The camera of a file that was read again is the first view from now on, and the present one if it changed and `show` is set.
+    pub(crate) fn again(&mut self, camera: &Camera, show: bool) {
+        if show && *camera != self.first {
+            *self = Self::of(camera);
+        } else {
+            self.first = *camera;
+        }
+    }
+
     /// Turns about the point that is looked at, degrees; the pole is not passed.
     pub(crate) fn orbit(&mut self, around: f64, upwards: f64) {
         let away = self.eye - self.look;
@@ -99,7 +113,7 @@ impl Eye {
     /// Frame `count` of the fixed walk: once around in 120 frames, a little up and down.
     pub(crate) fn script(&mut self, count: u32) {
         let (sin, _) = sin_cos(f64::from(count) / 60.0 * std::f64::consts::TAU);
-        *self = Self::of(&self.first);
+        self.home();
         self.orbit(3.0 * f64::from(count), 6.0 * sin);
     }
 }
@@ -125,7 +139,13 @@ mod tests {
         }
         assert!(((eye.eye - eye.look).length() - 4.0).abs() < 1e-9);
         assert!((eye.eye - eye.look).normalize().dot(DVec3::Y) < 0.9986);
-        eye.script(0);
+        let turned = eye.eye;
+        eye.again(&camera, true);
+        assert_eq!(eye.eye, turned);
+        eye.home();
         assert_eq!(eye.eye, camera.eye);
+        let other = Camera::look_at([2.0, 0.0, 0.0], [0.0; 3]);
+        eye.again(&other, true);
+        assert_eq!(eye.eye, other.eye);
     }
 }

@@ -90,7 +90,7 @@ fn run() -> Result<(), String> {
         stale |= eye.keys(&window);
         for key in window.get_keys_pressed(KeyRepeat::No) {
             if key == Key::Home {
-                eye = Eye::of(&model.scene.camera);
+                eye.home();
                 stale = true;
             }
             stale |= methods.key(key);
@@ -98,22 +98,32 @@ fn run() -> Result<(), String> {
         if window.is_key_pressed(Key::R, KeyRepeat::No) || model.changed() {
             // A file that is half written is read again at its next change; the picture stays meanwhile.
             match model.again(&arguments.file) {
-                Ok(()) => stale = true,
+                Ok(()) => {
+                    // Models have the camera that frames them: a change of their shape is no other view.
+                    eye.again(&model.scene.camera, model.is_scene);
+                    stale = true;
+                }
                 Err(error) => eprintln!("warning: {error}"),
             }
         }
         if stale {
             let began = Instant::now();
             eye.set(&mut model.scene);
-            let drawn = draw(&model, &methods, arguments.size)?;
-            let milliseconds = began.elapsed().as_secs_f64() * 1e3;
-            window.set_title(&format!(
-                "{} · {} · {milliseconds:.1} ms",
-                model.name,
-                methods.words()
-            ));
-            shown = methods.shown(&drawn);
-            frame = Some(drawn);
+            match draw(&model, &methods, arguments.size) {
+                Ok(drawn) => {
+                    let milliseconds = began.elapsed().as_secs_f64() * 1e3;
+                    window.set_title(&format!(
+                        "{} · {} · {milliseconds:.1} ms",
+                        model.name,
+                        methods.words()
+                    ));
+                    shown = methods.shown(&drawn);
+                    frame = Some(drawn);
+                }
+                // An edited file may be refused: the picture stays until it is right again.
+                Err(error) if frame.is_some() && !arguments.exit => eprintln!("warning: {error}"),
+                Err(error) => return Err(error),
+            }
             stale = false;
             count += 1;
         }
