@@ -81,10 +81,10 @@ impl EnvironmentLight {
         self.roughnesses
     }
 
-    /// The light turned about +Y by an angle in radians. A right angle turns +X to -Z.
+    /// The light turned about +Y by an angle in radians. A right angle turns +X to -Z. An angle that is not finite is 0.
     #[must_use]
     pub fn turned(mut self, angle: f64) -> Self {
-        let (sin, cos) = deterministic_f64::sin_cos(angle);
+        let (sin, cos) = deterministic_f64::sin_cos(if angle.is_finite() { angle } else { 0.0 });
         self.turn = [cos as f32, sin as f32];
         self
     }

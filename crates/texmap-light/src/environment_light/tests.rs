@@ -157,6 +157,14 @@ fn turns_are_about_the_vertical() {
     assert!(at(&turned, [1.0, 0.0, 0.0]).x < 1e-6);
     assert!(at(&turned, [0.0, 0.0, -1.0]).x > 0.999);
     assert_eq!(at(&turned, [0.0, 1.0, 0.0]), at(&light, [0.0, 1.0, 0.0]));
+    for angle in [f64::NAN, f64::INFINITY] {
+        assert_eq!(light.clone().turned(angle), light);
+    }
+    // However short a direction is.
+    for length in [1e-45, 1e-39, 1e-30] {
+        let short = light.radiance(0.3, [length, 0.0, 0.0]);
+        assert_eq!(short, light.radiance(0.3, [1.0, 0.0, 0.0]));
+    }
 }
 
 /// The window is seen 0.115 by 0.143 radians large, so that a blur of 0.04 leaves erf(1.02) erf(1.27) = 0.79 of its middle.
