@@ -82,8 +82,12 @@ pub struct ReflectionBox {
 }
 
 impl ReflectionBox {
+    /// Distance from a wall up to which a position outside still counts as one on it, by the side of the box: floors and walls of a room
+    /// that is the box lie on it, up to rounding.
+    pub const WALL: f32 = 1.0 / 1024.0;
+
     /// The direction from the centre to the wall that `ray` meets from a position, with its change; `ray` where the position is not in the
-    /// box. Neither ray nor result need have length 1. Source: Lagarde and Zanuttini 2012, "Local image-based lighting with
+    /// box ([`WALL`](Self::WALL) beyond it at most). Neither ray nor result need have length 1. Source: Lagarde and Zanuttini 2012, "Local image-based lighting with
     /// parallax-corrected cubemaps".
     ///
     /// With t the least of `(wall - P) / R` over the axes and H = P + t R: `dt = -(dP + t dR) / R` on the axis of the wall, and the change of
@@ -92,9 +96,13 @@ impl ReflectionBox {
     pub fn led<I: Isa>(&self, i: I, position: &RayLanes<I>, ray: &RayLanes<I>) -> RayLanes<I> {
         let (p, r) = (position.direction, ray.direction);
         let mut t = i.f32(f32::MAX);
+        let mut inside = t.simd_gt(0.0);
         // The axis of the wall: ray, and the changes of position and ray along it.
         let mut along = [i.f32(1.0), t, t, t, t];
         for k in 0..3 {
+            let beyond = (self.high[k] - self.low[k]) * Self::WALL;
+            inside =
+                inside & p[k].simd_ge(self.low[k] - beyond) & p[k].simd_le(self.high[k] + beyond);
             let ahead = r[k].simd_gt(0.0);
             let wall = ahead.select(i.f32(self.high[k]), i.f32(self.low[k]));
             let reach = (wall - p[k]) / r[k];
@@ -107,7 +115,7 @@ impl ReflectionBox {
             }
         }
         let [r_wall, px, py, rx, ry] = along;
-        let inside = t.simd_gt(0.0) & t.simd_lt(f32::MAX);
+        let inside = inside & t.simd_gt(0.0) & t.simd_lt(f32::MAX);
         let tx = -(px + t * rx) / r_wall;
         let ty = -(py + t * ry) / r_wall;
         let mut out = *ray;
@@ -172,6 +180,21 @@ mod tests {
         assert!(turn(middle.direction) > 1.0 - 1e-6 && turn(found.direction) < 0.995);
         let outside = walls.led(Scalar, &ray(DVec3::new(0.0, 5.0, 0.0), dp), &ray(r, dr));
         assert_eq!(outside, ray(r, dr));
+        // From beside the box, towards it and past it.
+        for (p, r) in [
+            (DVec3::new(3.0, 0.0, 0.0), DVec3::new(1.0, 2.0, 0.5)),
+            (DVec3::new(3.0, 0.0, 0.0), DVec3::new(-1.0, 2.0, 0.5)),
+            (DVec3::new(0.0, -1.1, 0.0), DVec3::new(0.1, 1.0, 0.0)),
+        ] {
+            assert_eq!(walls.led(Scalar, &ray(p, dp), &ray(r, dr)), ray(r, dr));
+        }
+        // A floor that is the wall of the box is in it, also where rounding puts it below.
+        for y in [-1.0, -1.0 - 1e-6] {
+            let floor = DVec3::new(0.5, y, 0.0);
+            let found = walls.led(Scalar, &ray(floor, dp), &ray(DVec3::Y, dr));
+            let seen = DVec3::new(0.5, 3.0, 0.0) - wide(walls.center);
+            assert!((wide(found.direction) - seen).length() < 1e-5, "{found:?}");
+        }
         // A ray along an axis meets the wall of that axis.
         let along = walls.led(Scalar, &ray(p, dp), &ray(DVec3::Z, dr));
         assert_eq!(along.direction[2], 2.0);

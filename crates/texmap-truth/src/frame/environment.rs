@@ -40,6 +40,10 @@ impl Ray {
     pub(super) fn led_to(&self, walls: &ReflectionBox, position: DVec3, moves: [DVec3; 2]) -> Self {
         let [low, high, center] =
             [walls.low, walls.high, walls.center].map(|c| DVec3::from(c.map(f64::from)));
+        let beyond = (high - low) * f64::from(ReflectionBox::WALL);
+        if position.cmplt(low - beyond).any() || position.cmpgt(high + beyond).any() {
+            return *self;
+        }
         let reach = |p: DVec3, r: DVec3, axis: usize| {
             let wall = if r[axis] > 0.0 { high[axis] } else { low[axis] };
             (wall - p[axis]) / r[axis]
