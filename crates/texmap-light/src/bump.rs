@@ -79,7 +79,7 @@ impl Heights<'_> {
         green: NormalMapGreen,
     ) -> Result<(Vec<[f32; 2]>, f32), LightError> {
         self.check()?;
-        let columns = i64::from(self.width.max(1));
+        let columns = i64::from(self.width);
         let rows = self.values.len() as f32 / columns as f32;
         let over_all = |i: i64| {
             let [right, down] = self.slope_unchecked(i % columns, i / columns, slope);
@@ -107,17 +107,18 @@ impl Heights<'_> {
     }
 
     fn check(&self) -> Result<(), LightError> {
-        let rows = self.values.len() / self.width.max(1) as usize;
-        same_length(
-            "heights",
-            self.values.len(),
-            rows.max(1) * self.width.max(1) as usize,
-        )
+        if self.width == 0 {
+            return same_length("columns", 0, 1);
+        }
+        let width = self.width as usize;
+        let rows = self.values.len() / width;
+        same_length("heights", self.values.len(), rows.max(1) * width)
     }
 
     fn slope_unchecked(&self, x: i64, y: i64, slope: Slope) -> [f32; 2] {
-        let columns = i64::from(self.width.max(1));
+        let columns = i64::from(self.width);
         let rows = self.values.len() as i64 / columns;
+        let (x, y) = (x.rem_euclid(columns), y.rem_euclid(rows));
         let at = |i: i64, j: i64| {
             self.values[((y + j).rem_euclid(rows) * columns + (x + i).rem_euclid(columns)) as usize]
         };
@@ -471,5 +472,20 @@ mod tests {
             values: &[3.0],
         };
         assert_eq!(one.slope(-7, 9, Slope::Sobel), Ok([0.0; 2]));
+        let no_columns = Heights {
+            width: 0,
+            values: &[1.0, 2.0],
+        };
+        let normals = no_columns.normals(Slope::Central, 1.0, NormalMapGreen::Up);
+        assert!(matches!(normals, Err(LightError::Length { .. })));
+        // Any index wraps.
+        let row = Heights {
+            width: 4,
+            values: &[0.0, 1.0, 3.0, 9.0],
+        };
+        for (far, near) in [(i64::MAX, 3), (i64::MIN, 0)] {
+            let found = row.slope(far, far, Slope::Sobel);
+            assert_eq!(found, row.slope(near, 0, Slope::Sobel));
+        }
     }
 }
