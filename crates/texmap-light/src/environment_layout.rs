@@ -211,23 +211,24 @@ impl EnvironmentLayout {
 
     /// Solid angle (steradians) of texel (x, y) of a `width` x `height` face, by its corners. It is 0 where the layout
     /// shows nothing. The faces of all texels add up to 4 pi, but for paraboloids, whose corners show again what
-    /// the other face has: those count 0.
+    /// the other face has: those count 0. Not so of faces of a few texels, which are no triangles within a hemisphere.
     #[must_use]
     pub fn solid_angle(self, face: usize, (x, y): (u32, u32), (width, height): (u32, u32)) -> f64 {
-        let at = |i: u32, j: u32| {
+        let at = |i: f64, j: f64| {
             DVec2::new(
-                f64::from(i) / f64::from(width),
-                f64::from(j) / f64::from(height),
+                (f64::from(x) + i) / f64::from(width),
+                (f64::from(y) + j) / f64::from(height),
             )
         };
         if matches!(self, Self::DualParaboloid | Self::SphereMap) {
-            let centre = (at(x, y) + at(x + 1, y + 1)) - DVec2::ONE;
+            let centre = (at(0.0, 0.0) + at(1.0, 1.0)) - DVec2::ONE;
             if centre.length_squared() > 1.0 {
                 return 0.0;
             }
         }
-        let corner = |i: u32, j: u32| self.direction(face, at(x + i, y + j));
-        let (a, b, c, d) = (corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1));
+        let corner = |i: f64, j: f64| self.direction(face, at(i, j));
+        let (a, b) = (corner(0.0, 0.0), corner(1.0, 0.0));
+        let (c, d) = (corner(1.0, 1.0), corner(0.0, 1.0));
         triangle(a, b, c) + triangle(a, c, d)
     }
 }
@@ -331,6 +332,17 @@ mod tests {
         let grid =
             (0..64).map(move |i| DVec3::new(values[i % 4], values[i / 4 % 4], values[i / 16]));
         grid.filter(|d| d.length() > 0.0)
+    }
+
+    /// Texels count up to the largest number.
+    #[test]
+    fn the_last_texel_has_an_angle() {
+        for layout in EnvironmentLayout::ALL {
+            let last = u32::MAX;
+            let angle = layout.solid_angle(0, (last - 1, last - 1), (last, last));
+            assert!((0.0..1e-9).contains(&angle), "{layout:?}: {angle}");
+            let _outside = layout.solid_angle(0, (last, last), (last, last));
+        }
     }
 
     #[test]

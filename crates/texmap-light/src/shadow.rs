@@ -83,8 +83,8 @@ impl ShadowMap {
     fn count(kind: &ShadowKind, size: u32) -> usize {
         let side = size.max(1) as usize;
         match kind {
-            ShadowKind::Point { .. } => 6 * side * side,
-            _ => side * side,
+            ShadowKind::Point { .. } => side.saturating_mul(side).saturating_mul(6),
+            _ => side.saturating_mul(side),
         }
     }
 
@@ -128,9 +128,13 @@ impl ShadowMap {
     /// The stored depth of a texel; `None` outside of the map. For pictures of the map.
     #[must_use]
     pub fn depth_at(&self, face: usize, x: u32, y: u32) -> Option<f32> {
-        let inside = x < self.size && y < self.size;
-        let index = (face * self.size as usize + y as usize) * self.size as usize + x as usize;
-        inside.then(|| self.depths.get(index).copied()).flatten()
+        if x >= self.size || y >= self.size {
+            return None;
+        }
+        let side = self.size as usize;
+        let row = face.checked_mul(side)?.checked_add(y as usize)?;
+        let index = row.checked_mul(side)?.checked_add(x as usize)?;
+        self.depths.get(index).copied()
     }
 
     /// Side of a face in texels.
@@ -174,5 +178,17 @@ mod tests {
             ShadowMap::new(kind, 1, alloc::vec![f32::NAN]),
             Err(LightError::Texel { index: 0 })
         );
+        let point = ShadowKind::Point {
+            position: DVec3::ZERO,
+        };
+        for kind in [kind, point] {
+            let large = ShadowMap::new(kind, u32::MAX, Vec::new());
+            assert!(matches!(large, Err(LightError::Length { .. })));
+        }
+        let map = ShadowMap::new(kind, 2, alloc::vec![0.5; 4]).unwrap();
+        assert_eq!(map.depth_at(0, 1, 1), Some(0.5));
+        for face in [1, 1 << 62, 1 << 63, usize::MAX] {
+            assert_eq!(map.depth_at(face, 1, 1), None);
+        }
     }
 }
