@@ -157,6 +157,52 @@ fn frames_and_views_are_given_out_one_by_one() {
     );
 }
 
+/// Numbered pictures and what lies beside pictures are told apart as `render` does, before anything is drawn.
+#[test]
+fn pictures_and_files_beside_them_are_told_apart() {
+    let desk = desk(1);
+    for name in ["car", "car1", "car.heat", "car.uv"] {
+        desk.put(&format!("{name}.obj"), desk.read("00.obj"));
+    }
+    let turn = "car.obj car1.obj -o cl/{model}%d.png --turntable 12 --resolution 8x8";
+    for verb in ["render", "batch", "batch --unit frame", "batch --dry-run"] {
+        desk.refused(&turn.replacen("car", &format!("{verb} car"), 1), 2, "0.png");
+    }
+    let run = desk.texmap(&format!("batch {turn}"));
+    assert!(
+        run.stderr
+            .contains("car.obj and car1.obj would both write cl/car10.png"),
+        "{}",
+        run.stderr
+    );
+    for (items, flags) in [
+        ("car.obj car.heat.obj", "--verify"),
+        ("car.uv.obj car.obj", "--aov uv"),
+    ] {
+        let batch = format!("batch {items} -o b/{{model}}.png --resolution 8x8 {flags}");
+        match flags {
+            "--verify" => desk.refused(&batch, 2, "both write b/car.heat.png"),
+            // The array is no picture.
+            _ => drop(desk.texmap(&batch).ok()),
+        }
+    }
+    // A manifest names both files of each item.
+    desk.put(
+        "m.json",
+        r#"{"version":1,"settings":{"turntable":2,"resolution":"8x8"},"items":[
+           {"input":"car.obj","output":"o/a%d.png"},{"input":"car1.obj","output":"o/a{n}.png"}]}"#,
+    );
+    desk.refused("batch m.json", 2, "both write o/a0.png");
+    // The input of an item among the pictures of another.
+    desk.put("t1.png", desk.read("check.png"));
+    desk.put(
+        "m.json",
+        r#"{"version":1,"items":[{"input":"car.obj","output":"t%d.png","settings":{"turntable":2}},
+           {"input":"t1.png","output":"o/a.png"}]}"#,
+    );
+    desk.refused("batch m.json", 2, "the output is the input");
+}
+
 #[test]
 fn manifests_name_items_with_settings() {
     let desk = desk(2);
@@ -208,7 +254,7 @@ fn manifests_name_items_with_settings() {
         desk.refused("batch bad.json", code, word);
     }
     desk.refused("batch 00.obj 01.obj -o out.png", 2, "both write");
-    desk.refused("batch 00.obj -o 00.obj", 2, "input");
+    desk.refused("batch 00.obj -o 00.obj", 2, "cannot be written as .obj");
     desk.refused("batch 00.obj -o -", 2, "files");
 }
 

@@ -5,6 +5,7 @@
 pub(crate) mod args;
 pub(crate) mod files;
 mod manifest;
+mod outputs;
 pub(crate) mod plan;
 mod pool;
 pub(crate) mod record;

@@ -1,20 +1,19 @@
 //! Items and units of a batch, named and checked before anything runs.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Component, Path, PathBuf};
 
-use clap::Parser;
 use texmap_io::{FileSource, PictureFormat};
 
-use crate::args::{Cli, Verb};
+use crate::args::Verb;
 use crate::cmd::bake;
 use crate::cmd::batch::args::{BatchArgs, BatchVerb, UnitName};
 use crate::cmd::batch::files::hash_of_parts;
 use crate::cmd::batch::manifest::{Manifest, is_manifest};
+use crate::cmd::batch::outputs::{Verbs, check, told_apart};
 use crate::cmd::batch::settings::Settings;
 use crate::cmd::render::inputs::listed;
-use crate::cmd::render::plan::{self, Kind};
 use crate::failure::{Exit, Failure};
 use crate::os_name;
 use crate::values::{Part, Ranges};
@@ -83,18 +82,7 @@ impl Plan {
                 "name each input once, or give the items of a manifest different ids",
             ));
         }
-        let mut owner: BTreeMap<&str, &str> = BTreeMap::new();
-        for item in &items {
-            let further = OUTPUTS.iter().flat_map(|flag| item.settings.values(flag));
-            for output in further.chain([item.output.as_str()]) {
-                if let Some(other) = owner.insert(output, &item.id) {
-                    return Err(Failure::usage(
-                        format!("{other} and {} would both write {output}", item.id),
-                        "put {model}, {dir} or {id} into the name",
-                    ));
-                }
-            }
-        }
+        told_apart(args.verb, &items)?;
         let mut units = units(args, &items)?;
         units.sort_by(|a, b| a.id.cmp(&b.id));
         let base = base(args, &items);
@@ -193,7 +181,7 @@ impl Plan {
 }
 
 /// Flags of verbs that name outputs beside `--output`.
-const OUTPUTS: [&str; 2] = ["tangents", "pictures"];
+pub(super) const OUTPUTS: [&str; 2] = ["tangents", "pictures"];
 
 /// True if a path leads into a folder, by its words.
 fn lies_in(folder: &Path, path: &Path) -> bool {
@@ -207,7 +195,7 @@ fn lies_in(folder: &Path, path: &Path) -> bool {
 }
 
 /// The command line of an item.
-fn words(verb: BatchVerb, item: &Item, output: &str) -> Vec<String> {
+pub(super) fn words(verb: BatchVerb, item: &Item, output: &str) -> Vec<String> {
     let mut words = vec!["texmap".to_owned(), verb.name().to_owned()];
     words.extend(item.settings.words());
     words.push(format!("--output={output}"));
@@ -359,22 +347,16 @@ fn base(args: &BatchArgs, items: &[Item]) -> PathBuf {
 
 fn units(args: &BatchArgs, items: &[Item]) -> Result<Vec<Unit>, Failure> {
     let mut units = Vec::with_capacity(items.len());
-    // Items with equal settings are checked once, and have the same number of pictures.
-    let mut pictures: BTreeMap<&Settings, usize> = BTreeMap::new();
-    let mut checked: BTreeSet<&Settings> = BTreeSet::new();
+    let mut verbs = Verbs::new(args.verb);
     for (item, index) in items.iter().zip(0..) {
         let unit = |id: String, part: UnitPart| Unit {
             id,
             item: index,
             part,
         };
-        let verb = match checked.contains(&item.settings) {
-            true => None,
-            false => Some(check(args, item)?),
-        };
-        checked.insert(&item.settings);
+        let checked = verbs.of(item)?;
         if let Some(count) = args.flags.bands {
-            bands_fit(args, item, verb.as_ref())?;
+            bands_fit(args, item, &checked.verb)?;
             let digits = count.to_string().len();
             units.extend((1..=count).map(|index| {
                 let id = format!("{}#band-{index:0digits$}-of-{count}", item.id);
@@ -385,18 +367,14 @@ fn units(args: &BatchArgs, items: &[Item]) -> Result<Vec<Unit>, Failure> {
         match args.flags.unit {
             UnitName::Item => units.push(unit(item.id.clone(), UnitPart::Whole)),
             UnitName::Frame | UnitName::View => {
-                if let Some(verb) = &verb {
-                    pictures.insert(&item.settings, count_pictures(item, verb)?);
-                }
-                let of = pictures.get(&item.settings).copied().unwrap_or(0);
+                let of = checked.pictures(item)?;
                 units.extend((0..of as u32).map(|number| {
                     let id = numbered(&item.id, number, of);
                     unit(id, UnitPart::Picture(number))
                 }));
             }
             UnitName::Page => {
-                let fresh = check(args, item)?;
-                let Verb::Bake(bake) = fresh else {
+                let Verb::Bake(bake) = check(args.verb, item)? else {
                     return Err(Failure::usage(
                         format!("--unit page: `{}` has no pages", args.verb.name()),
                         "pages are the objects of `texmap batch bake --object all`",
@@ -425,50 +403,7 @@ fn twin(units: &[Unit]) -> Option<&str> {
     twin.map(|unit| unit.id.as_str())
 }
 
-/// The verb as it reads the command line of an item.
-fn check(args: &BatchArgs, item: &Item) -> Result<Verb, Failure> {
-    let words = words(args.verb, item, &item.output);
-    match Cli::try_parse_from(&words) {
-        Ok(cli) => match cli.verb {
-            Verb::Uv(uv) if uv.prints() => Err(Failure::usage(
-                format!(
-                    "{}: --report and --per-triangle print what a batch does not keep",
-                    item.id
-                ),
-                "run `texmap uv IN --json --report` for each, or leave them out",
-            )),
-            verb => Ok(verb),
-        },
-        Err(refusal) => {
-            let mut failure = Failure::from(refusal);
-            failure.what = format!("{}: {}", item.id, failure.what);
-            Err(failure)
-        }
-    }
-}
-
-/// Pictures of an item that has one file for each.
-fn count_pictures(item: &Item, verb: &Verb) -> Result<usize, Failure> {
-    let one = |what: &str| {
-        Failure::usage(
-            format!("{}: {what}", item.id),
-            "--unit frame and view are of several pictures with a file each: add --turntable, --frames, --cameras or --views, and a place \
-             for the number or {view} in the name",
-        )
-    };
-    let Verb::Render(args) = verb else {
-        return Err(one("this verb makes one picture"));
-    };
-    let camera = args.camera();
-    let names = camera.names(&camera.list(&FileSource::anywhere())?);
-    match plan::kind(args, Some(Path::new(&item.output)), names.as_deref())? {
-        Kind::Series(names) => Ok(names.len()),
-        Kind::Single => Err(one("there is one picture")),
-        Kind::Sheet | Kind::Animation(_) => Err(one("all pictures are in one file")),
-    }
-}
-
-fn bands_fit(args: &BatchArgs, item: &Item, verb: Option<&Verb>) -> Result<(), Failure> {
+fn bands_fit(args: &BatchArgs, item: &Item, verb: &Verb) -> Result<(), Failure> {
     if args.flags.unit != UnitName::Item || args.verb != BatchVerb::Render {
         return Err(Failure::usage(
             "--bands: only whole pictures of `texmap batch render` have bands",
@@ -484,7 +419,7 @@ fn bands_fit(args: &BatchArgs, item: &Item, verb: Option<&Verb>) -> Result<(), F
         ));
     }
     match verb {
-        Some(Verb::Render(render)) => render.check_bands(args.flags.bands.unwrap_or(1)),
+        Verb::Render(render) => render.check_bands(args.flags.bands.unwrap_or(1)),
         _ => Ok(()),
     }
 }

@@ -34,8 +34,7 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Exit, Failure> {
         .iter()
         .map(|(_, unit)| &plan.item(unit).input)
         .collect();
-    let whole = |output: &&String| !output.contains(['{', '%']);
-    distinct(outputs.iter().filter(whole), inputs)?;
+    distinct(plan.files(&units)?, inputs)?;
     let lines = args.json || !std::io::stdout().is_terminal();
     if args.dry_run {
         return dry_run(&plan, &units);

@@ -59,7 +59,7 @@ pub(crate) fn item(
     let prepared = |options: &LoadOptions| prepared(args, file, rootless, options, &lit);
     let mut scene = prepared(&options)?;
     // No picture replaces what it is made of.
-    distinct(item.outputs(args)?, files.recorded())?;
+    distinct(item.files(args).into_iter().flatten(), files.recorded())?;
     observe::read(files.recorded());
     let load = milliseconds(began.elapsed());
     let posed = |time| {
@@ -189,7 +189,7 @@ pub(super) fn keep_apart(
 ) -> Result<(), Failure> {
     let mut outputs = Vec::new();
     for (item, _) in items {
-        outputs.extend(item.outputs(args)?);
+        outputs.extend(item.files(args).into_iter().flatten());
     }
     // Outputs that do not exist yet are read by none.
     outputs.retain(|output| output.is_file());

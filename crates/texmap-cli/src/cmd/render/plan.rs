@@ -45,10 +45,10 @@ impl Item {
         }
     }
 
-    /// All its files: the pictures, and what lies beside them.
-    pub(super) fn outputs(&self, args: &RenderArgs) -> Result<Vec<PathBuf>, Failure> {
-        let all = destinations(args, self)?.into_iter();
-        Ok(all.map(|(path, _)| path).collect())
+    /// Its files by picture: the picture, and what lies beside it.
+    pub(crate) fn files(&self, args: &RenderArgs) -> Vec<Vec<PathBuf>> {
+        let pictures = self.pictures().into_iter();
+        pictures.map(|picture| files(args, picture)).collect()
     }
 }
 
@@ -105,20 +105,23 @@ pub(crate) fn items(
 
 /// Every file that an input will give, checked.
 fn destinations(args: &RenderArgs, item: &Item) -> Result<Vec<(PathBuf, Destination)>, Failure> {
-    let mut all = Vec::new();
-    for picture in item.pictures() {
-        let layers = PictureFormat::of(picture) == Some(PictureFormat::Exr);
-        let beside = args.aov.iter().filter(|_| !layers);
-        let arrays = beside.map(|aov| array_name(picture, &aov.name));
-        let heat = args.verify.then(|| heat_name(picture));
-        let rays = args.compare.map(|_| rays_name(picture));
-        let beside: Vec<PathBuf> = arrays.chain(heat).chain(rays).collect();
-        for path in [picture.to_owned()].into_iter().chain(beside) {
-            let destination = Destination::new(&path)?;
-            all.push((path, destination));
-        }
-    }
-    Ok(all)
+    let all = item.files(args).into_iter().flatten();
+    all.map(|path| {
+        let destination = Destination::new(&path)?;
+        Ok((path, destination))
+    })
+    .collect()
+}
+
+/// A picture and what lies beside it.
+fn files(args: &RenderArgs, picture: &Path) -> Vec<PathBuf> {
+    let layers = PictureFormat::of(picture) == Some(PictureFormat::Exr);
+    let beside = args.aov.iter().filter(|_| !layers);
+    let arrays = beside.map(|aov| array_name(picture, &aov.name));
+    let heat = args.verify.then(|| heat_name(picture));
+    let rays = args.compare.map(|_| rays_name(picture));
+    let all = [picture.to_owned()].into_iter().chain(arrays);
+    all.chain(heat).chain(rays).collect()
 }
 
 /// `room.png` and `uv` give `room.uv.npy`.
