@@ -253,6 +253,19 @@ fn manifests_name_items_with_settings() {
         desk.put("bad.json", format!("{{\"version\":1,\"items\":[{items}]}}"));
         desk.refused("batch bad.json", code, word);
     }
+    // It would wait for ever: the standard input of a process of the batch has its tasks.
+    desk.put(
+        "bad.json",
+        r#"{"version":1,"items":[{"id":"x","input":"-","output":"a.png"}]}"#,
+    );
+    for flags in ["", "--dry-run"] {
+        desk.refused(
+            &format!("batch bad.json {flags}"),
+            2,
+            "x: a batch does not read standard input",
+        );
+    }
+    desk.refused("batch - -o a.png", 2, "does not read standard input");
     desk.refused("batch 00.obj 01.obj -o out.png", 2, "both write");
     desk.refused("batch 00.obj -o 00.obj", 2, "cannot be written as .obj");
     desk.refused("batch 00.obj -o -", 2, "files");

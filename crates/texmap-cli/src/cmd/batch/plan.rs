@@ -213,12 +213,6 @@ fn numbered(item: &str, number: u32, of: usize) -> String {
 fn items(args: &BatchArgs) -> Result<Vec<Item>, Failure> {
     let mut items = Vec::new();
     for input in &args.inputs {
-        if input.as_os_str() == "-" {
-            return Err(Failure::usage(
-                "`-`: a batch does not read standard input",
-                "name files, @LIST or a manifest",
-            ));
-        }
         if is_manifest(input) {
             let manifest = Manifest::read(input, args.verb)?;
             let common = manifest.settings.with(&args.settings);
@@ -264,6 +258,13 @@ fn item(
         })
     };
     let id = id.map_or_else(|| text(input), Ok)?;
+    // The standard input of a process of the batch has its tasks.
+    if input == Path::new("-") {
+        return Err(Failure::usage(
+            format!("{id}: a batch does not read standard input"),
+            "name files, @LIST or a manifest of files; a file of this name is ./-",
+        ));
+    }
     let output = match (output, &args.output) {
         (Some(output), _) => output,
         (None, Some(template)) => named(args.verb, template, &id, input),
