@@ -152,4 +152,12 @@ fn a_merge_with_little_memory_has_the_same_pixels() {
     );
     let hashes = desk.texmap("hash rich.png poor.png --json").ok().json();
     assert_eq!(hashes[0]["pixel_hash"], hashes[1]["pixel_hash"]);
+    // 16 bits a channel: 36 MB as a whole, which is read nowhere.
+    desk.texmap(&format!(
+        "batch room.scene -o deep/room.png {size} --bands 8 --bits 16"
+    ))
+    .ok();
+    let run = desk.texmap("merge deep -o deep.png --memory-limit 16M --json");
+    let hash = desk.texmap("hash deep.png --json").ok().json()[0]["pixel_hash"].take();
+    assert_eq!(run.ok().json()["pictures"][0]["pixel_hash"], hash);
 }

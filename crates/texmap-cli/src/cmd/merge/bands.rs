@@ -8,7 +8,6 @@ use texmap_io::{IoError, PixelCode, write_pixels};
 use texmap_math::MemoryBudget;
 use texmap_render::PixelHash;
 use texmap_sample::ColorSpace;
-use texmap_truth::buffer::Buffer;
 
 use super::shards::{Report, bad};
 use crate::cmd::batch::files::FileMark;
@@ -72,28 +71,20 @@ pub(super) fn join(parts: &[(&Report, &Record)], output: &Path) -> Result<FileMa
     let main = Destination::new(output)?;
     let mut stage = Stage::new(&main)?;
     let place = stage.add(main, "png");
-    let pixel_hash = match deep {
+    let mut hash = PixelHash::new(width, height);
+    match deep {
         true => {
-            stream(
-                &place,
-                PixelCode::Png16(ColorSpace::Srgb),
-                (width, height),
-                &bands,
-                &mut |_| {},
-            )?;
-            None
+            let code = PixelCode::Png16(ColorSpace::Srgb);
+            stream(&place, code, (width, height), &bands, &mut hash)?;
         }
-        false => Some(eight_bits(&place, (width, height), &bands)?),
-    };
+        false => eight_bits(&place, (width, height), &bands, &mut hash)?,
+    }
     let mut mark = FileMark::of(&place).map_err(|source| IoError::Write {
         path: output.to_owned(),
         source,
     })?;
     stage.commit()?;
-    mark.pixel_hash = match pixel_hash {
-        Some(hash) => Some(hash),
-        None => Some(Buffer::read(output)?.hash()),
-    };
+    mark.pixel_hash = Some(hash.digits());
     mark.path = output.to_string_lossy().into_owned();
     Ok(mark)
 }
@@ -104,8 +95,8 @@ fn eight_bits(
     place: &Path,
     (width, height): (u32, u32),
     bands: &[impl AsRef<Path>],
-) -> Result<String, Failure> {
-    let mut hash = PixelHash::new(width, height);
+    hash: &mut PixelHash,
+) -> Result<(), Failure> {
     let bytes = 4 * u64::from(width) * u64::from(height);
     let asked = MemoryBudget::of_process().ask(
         // The encoder holds twice as much, and a band is read meanwhile.
@@ -114,48 +105,47 @@ fn eight_bits(
         "",
     );
     if asked.is_err() {
-        stream(
-            place,
-            PixelCode::Png8(ColorSpace::Srgb),
-            (width, height),
-            bands,
-            &mut |bytes| hash.update(bytes),
-        )?;
-        return Ok(hash.digits());
+        let code = PixelCode::Png8(ColorSpace::Srgb);
+        return stream(place, code, (width, height), bands, hash);
     }
     let mut all = Vec::with_capacity(bytes as usize);
     for band in bands {
-        all.extend(texels(&read_image(band.as_ref())?));
+        all.extend(codes(&read_image(band.as_ref())?, hash));
     }
-    hash.update(&all);
     write_png(place, width, height, &all)?;
-    Ok(hash.digits())
+    Ok(())
 }
 
-/// Writes the rows of bands one band after the other.
+/// Writes the rows of bands one band after the other, and hashes them.
 fn stream(
     place: &Path,
     code: PixelCode,
     size: (u32, u32),
     bands: &[impl AsRef<Path>],
-    each: &mut dyn FnMut(&[u8]),
+    hash: &mut PixelHash,
 ) -> Result<(), Failure> {
     write_pixels(place, code, size, |out| {
         bands.iter().try_for_each(|band| {
             let band = read_image(band.as_ref()).map_err(io::Error::other)?;
-            let bytes = texels(&band);
-            each(&bytes);
-            out.write_all(&bytes)
+            out.write_all(&codes(&band, hash))
         })
     })?;
     Ok(())
 }
 
-/// Bytes of the pixels, as PNG has them.
-fn texels(image: &Rgba) -> Vec<u8> {
+/// Bytes of the pixels as PNG has them, and in the hash as [`Buffer::hash`](texmap_truth::buffer::Buffer::hash) of the whole takes them.
+fn codes(image: &Rgba, hash: &mut PixelHash) -> Vec<u8> {
     match &image.texels {
-        Depth::U8(texels) => texels.clone(),
-        Depth::U16(texels) => texels.iter().flat_map(|t| t.to_be_bytes()).collect(),
+        Depth::U8(codes) => {
+            hash.update(codes);
+            codes.clone()
+        }
+        Depth::U16(codes) => {
+            codes
+                .iter()
+                .for_each(|code| hash.update(&code.to_le_bytes()));
+            codes.iter().flat_map(|code| code.to_be_bytes()).collect()
+        }
         Depth::F32(_) => Vec::new(),
     }
 }
