@@ -5,6 +5,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use super::{SMALL, desk, names, outputs};
+use crate::program::Desk;
 
 #[test]
 fn the_engine_tells_the_shard() {
@@ -101,4 +102,21 @@ fn tasks_are_printed_for_engines() {
             assert!(text.contains(word), "{form}: {text}");
         }
     }
+}
+
+/// The heads of textures count, and the maps of `--env-shadows`.
+#[test]
+fn textures_and_shadow_maps_are_estimated() {
+    let desk = Desk::new();
+    let memory = |flags: &str| {
+        let run = desk.texmap(&format!("shards m.obj -o out/ {SMALL} --count 1 {flags}"));
+        run.ok().json()["tasks"][0]["memory_bytes"]
+            .as_u64()
+            .unwrap()
+    };
+    let small = memory("");
+    assert_eq!(memory("--env-shadows 100") - small, 125 << 20);
+    let large = image::GrayImage::new(4000, 4000);
+    large.save(desk.path("check.png")).unwrap();
+    assert!(memory("") - small > 330 << 20);
 }

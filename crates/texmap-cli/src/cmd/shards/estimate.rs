@@ -1,14 +1,17 @@
 //! Memory and time of units before they run, from the planner's prices and the sizes of the input files.
 //!
-//! Nothing is loaded: a model of few bytes with large textures is underestimated. docs/batch.md says how well this predicts.
+//! Nothing is loaded but the heads of textures. docs/batch.md says how well this predicts.
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 
 use serde::Serialize;
 use texmap_planner::prices;
 use texmap_sample::Filter;
+use texmap_scene::shadow_fit::ENVIRONMENT_SHADOW_SIZE;
 
+use super::textures::texels;
 use crate::cmd::batch::plan::{Plan, Unit, UnitPart};
 
 /// Seconds of one core for a byte of an input: parsing, vertices, set-up.
@@ -21,6 +24,16 @@ const SECONDS_AN_INPUT: f64 = 10e-3;
 const BYTES_A_BYTE: u64 = 12;
 /// Bytes of memory for a pixel: the frame, and the encoder, which takes twice as much.
 const BYTES_A_PIXEL: u64 = 12;
+/// Bytes of memory for a texel: 11 of its levels, and as many while it is decoded.
+const BYTES_A_TEXEL: u64 = 22;
+/// Seconds of one core for a texel: decoding, levels.
+const SECONDS_A_TEXEL: f64 = 50e-9;
+/// Bytes of the shadow map of a direction of `--env-shadows`, and a quarter more of its bounds.
+const BYTES_A_SHADOW: u64 = 5 * (ENVIRONMENT_SHADOW_SIZE as u64).pow(2);
+/// Seconds of one core for a shadow map but for its model.
+const SECONDS_A_SHADOW: f64 = 4e-3;
+/// Seconds of one core for a pixel's look-up in a shadow map.
+const SECONDS_A_SHADOWED_PIXEL: f64 = 3e-9;
 /// Bytes of the program with its tables.
 const BYTES: u64 = 48 << 20;
 /// Bytes of the batch itself beside its processes.
@@ -58,23 +71,33 @@ impl Estimate {
 
 /// The means of each unit of a plan, in order.
 pub(super) fn of_units(plan: &Plan) -> Vec<Estimate> {
-    let mut sizes: BTreeMap<usize, u64> = BTreeMap::new();
+    let mut sizes: BTreeMap<usize, Size> = BTreeMap::new();
     let mut last = None;
     let of = |unit: &Unit| {
         let item = plan.item(unit);
-        let bytes = *sizes
-            .entry(unit.item)
-            .or_insert_with(|| fs::metadata(&item.input).map_or(0, |m| m.len()));
+        let size = *sizes.entry(unit.item).or_insert_with(|| Size {
+            bytes: fs::metadata(&item.input).map_or(0, |m| m.len()),
+            texels: texels(Path::new(&item.input)),
+        });
         let words = item.settings.words();
         // Pictures of one series load their input once.
         let loads = last != Some(unit.item) || !matches!(unit.part, UnitPart::Picture(_));
         last = Some(unit.item);
-        one(unit, &words, bytes, loads)
+        one(unit, &words, size, loads)
     };
     plan.units.iter().map(of).collect()
 }
 
-fn one(unit: &Unit, words: &[String], bytes: u64, loads: bool) -> Estimate {
+/// The size of an input.
+#[derive(Clone, Copy, Debug)]
+struct Size {
+    bytes: u64,
+    /// Of its textures.
+    texels: u64,
+}
+
+fn one(unit: &Unit, words: &[String], size_of: Size, loads: bool) -> Estimate {
+    let Size { bytes, texels } = size_of;
     let value = |flag: &str| {
         let value = words
             .iter()
@@ -103,15 +126,25 @@ fn one(unit: &Unit, words: &[String], bytes: u64, loads: bool) -> Estimate {
         .find(|price| price.filter == filter.unwrap_or(Filter::Trilinear))
         .map_or(10.0, |price| price.ns);
     let drawing = pixels * (SECONDS_A_PIXEL + samples * look_up * 1e-9);
+    let shadows = number("env-shadows").unwrap_or(0.0).clamp(0.0, 256.0);
+    // Each map draws the model once.
+    let shading = shadows
+        * (SECONDS_A_SHADOW
+            + bytes as f64 * SECONDS_A_BYTE / 8.0
+            + pixels * SECONDS_A_SHADOWED_PIXEL);
     let loading = if loads {
-        SECONDS_AN_INPUT + bytes as f64 * SECONDS_A_BYTE
+        SECONDS_AN_INPUT + bytes as f64 * SECONDS_A_BYTE + texels as f64 * SECONDS_A_TEXEL
     } else {
         0.0
     };
     let at_a_time = width * height * share.min(1.0);
     Estimate {
-        memory_bytes: BYTES + bytes * BYTES_A_BYTE + at_a_time as u64 * BYTES_A_PIXEL,
-        core_seconds: loading + drawing,
+        memory_bytes: BYTES
+            + bytes * BYTES_A_BYTE
+            + texels.saturating_mul(BYTES_A_TEXEL).min(1 << 50)
+            + shadows as u64 * BYTES_A_SHADOW
+            + at_a_time as u64 * BYTES_A_PIXEL,
+        core_seconds: loading + drawing + shading,
     }
 }
 
@@ -136,7 +169,7 @@ mod tests {
         };
         let of = |words: &[&str], bytes, part| {
             let words: Vec<String> = words.iter().map(|w| (*w).to_owned()).collect();
-            one(&unit(part), &words, bytes, true)
+            one(&unit(part), &words, Size { bytes, texels: 0 }, true)
         };
         let small = of(&["--resolution=100x100"], 0, UnitPart::Whole);
         let large = of(&["--resolution=16384x16384"], 0, UnitPart::Whole);
@@ -147,6 +180,20 @@ mod tests {
         assert!(band.memory_bytes < large.memory_bytes / 4);
         let model = of(&["--resolution=100x100"], 1 << 30, UnitPart::Whole);
         assert!(model.core_seconds > 10.0 && model.memory_bytes > 10 << 30);
+        let shadowed = of(
+            &["--resolution=100x100", "--env-shadows=256"],
+            0,
+            UnitPart::Whole,
+        );
+        assert_eq!(shadowed.memory_bytes - small.memory_bytes, 320 << 20);
+        assert!(shadowed.core_seconds > small.core_seconds);
+        let size = Size {
+            bytes: 0,
+            texels: 4096 * 4096,
+        };
+        let words = ["--resolution=100x100".to_owned()];
+        let textured = one(&unit(UnitPart::Whole), &words, size, true);
+        assert!(textured.memory_bytes - small.memory_bytes > 350 << 20);
         let frames = of(
             &["--resolution=100x100", "--turntable=10"],
             0,

@@ -2,6 +2,7 @@
 
 mod emit;
 mod estimate;
+mod textures;
 
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use serde::Serialize;
