@@ -80,6 +80,14 @@ fn tasks_are_printed_for_engines() {
             .iter()
             .all(|task| task["memory_bytes"].as_u64().unwrap() > 1 << 20)
     );
+    // A limit is that of the tasks, too, and of their estimates.
+    let limited = format!("{shards} --resolution 9000x9000 --memory-limit 300M");
+    let limited = limited.replacen(SMALL, "", 1);
+    let json = desk.texmap(&limited).ok().json();
+    assert_eq!(json["tasks"][0]["memory_bytes"], 316 << 20);
+    let run = desk.texmap(&format!("{limited} --emit slurm")).ok();
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(text.contains(" --memory-limit=314572800 "), "{text}");
     let commands = desk.texmap(&format!("{shards} --emit commands")).ok();
     let commands = String::from_utf8(commands.stdout).unwrap();
     for command in commands.lines() {

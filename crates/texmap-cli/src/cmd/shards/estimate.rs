@@ -51,9 +51,10 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// A task of these units, so many at a time.
-    pub(super) fn sum(units: &[Self], jobs: u16) -> Self {
+    /// A task of these units, so many at a time, whose processes have a limit of memory.
+    pub(super) fn sum(units: &[Self], jobs: u16, limit: Option<u64>) -> Self {
         let largest = units.iter().map(|u| u.memory_bytes).max().unwrap_or(BYTES);
+        let largest = largest.min(limit.unwrap_or(u64::MAX).max(BYTES));
         Self {
             memory_bytes: BATCH_BYTES + largest * u64::from(jobs),
             core_seconds: SECONDS_A_TASK * f64::from(jobs)
@@ -201,5 +202,10 @@ mod tests {
         );
         assert_eq!(frames.memory_bytes, small.memory_bytes);
         assert!(frames.core_seconds > small.core_seconds);
+        // A limit bounds each process, but for the program itself.
+        let task = |limit| Estimate::sum(&[large], 2, limit).memory_bytes;
+        assert_eq!(task(Some(300 << 20)), BATCH_BYTES + (600 << 20));
+        assert_eq!(task(Some(1)), BATCH_BYTES + 2 * BYTES);
+        assert_eq!(task(None), BATCH_BYTES + 2 * large.memory_bytes);
     }
 }

@@ -11,6 +11,7 @@ use crate::cmd::batch::BatchArgs;
 use crate::cmd::batch::args::{BatchVerb, UnitName, verb_of};
 use crate::cmd::batch::plan::Plan;
 use crate::failure::{self, Exit, Failure};
+use crate::memory;
 use crate::values::Part;
 use emit::Emit;
 use estimate::Estimate;
@@ -117,6 +118,7 @@ pub(crate) fn run(args: &ShardsArgs) -> Result<Exit, Failure> {
             estimate: Estimate::sum(
                 &costs[range.start as usize..range.end as usize],
                 jobs(batch),
+                memory::given(),
             ),
         }
     };
@@ -173,6 +175,7 @@ fn command(batch: &BatchArgs) -> Vec<String> {
         // An engine counts cores: without these a task would take all of its machine.
         ("jobs", Some(jobs(batch).to_string())),
         ("threads", Some(threads(batch).to_string())),
+        ("memory-limit", memory::given().map(|n| n.to_string())),
         ("state", flags.state.as_ref().map(text)),
     ];
     for (name, value) in options {
