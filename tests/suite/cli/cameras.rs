@@ -162,6 +162,20 @@ fn a_turntable_is_a_series_or_an_animation() {
         .into_frames()
         .count();
     assert_eq!(frames, 3);
+    let fast = "render m.obj --resolution 8x8 --turntable 3 --rate 60";
+    let run = desk.texmap(&format!("{fast} -o t.gif")).ok();
+    assert!(
+        run.stderr.contains("50 pictures a second at most"),
+        "{}",
+        run.stderr
+    );
+    desk.refused(
+        &format!("{fast} -o fast.gif --strict --dry-run"),
+        4,
+        "--rate 60",
+    );
+    let run = desk.texmap(&format!("{fast} -o t.apng --strict")).ok();
+    assert_eq!(run.stderr.matches("--rate").count(), 0);
     desk.refused("render m.obj -o x.gif", 2, "--turntable");
     desk.refused("render m.obj --turntable 3 -o x%d.gif", 2, "one file");
     desk.refused(

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use texmap_bake::MovingLight;
 use texmap_io::scene_file::Missing;
-use texmap_io::{FileSource, LoadOptions, PictureFormat};
+use texmap_io::{AnimationFormat, FileSource, LoadOptions, PictureFormat};
 use texmap_math::Level;
 use texmap_scene::{Scene, SceneError};
 
@@ -103,6 +103,12 @@ pub(crate) fn item(
     for shot in &shots {
         let view = shot.camera.view();
         view.map_err(|e| context.refused(SceneError::Camera(e)))?;
+    }
+    if item.kind == Kind::Animation(AnimationFormat::Gif) && args.camera.rate > 50.0 {
+        let rate = args.camera.rate;
+        scene.warnings.push(format!(
+            "--rate {rate}: viewers show a GIF at 50 pictures a second at most, with which it is written; end the name with .apng"
+        ));
     }
     if args.dry_run || args.strict {
         let mut all = scene.warnings.clone();
