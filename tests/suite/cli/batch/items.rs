@@ -72,8 +72,13 @@ fn one_bad_item_stops_the_rest_only_if_asked() {
     let (_, summary) = lines(&run);
     // One more may have been under way.
     assert!(summary["waiting"].as_u64().unwrap() >= 1, "{summary}");
-    // Nothing but bad items: their own exit code.
+    // Nothing but bad items.
     assert_eq!(desk.texmap("batch 01.obj -o out/").code, 4);
+    let run = desk.texmap("batch 00.obj -o none/ --resolution 4000x4000 --memory-limit 1M");
+    let (all, summary) = lines(&run);
+    assert_eq!((&all[0]["code"], &summary["exit"]), (&5.into(), &4.into()));
+    assert_eq!(run.code, 4, "{}", run.stderr);
+    assert!(outputs(&desk, "none").is_empty());
 }
 
 #[test]

@@ -379,7 +379,11 @@ impl Run<'_> {
         let good = self.done + self.skipped;
         match self.failures.first() {
             Some(_) if self.failures.contains(&Exit::Again) => Exit::Again,
-            Some(first) if good == 0 && self.failures.len() as u64 == units => *first,
+            Some(first) if good == 0 && self.failures.len() as u64 == units => match first {
+                // Those of a batch mean that something is written.
+                Exit::OverBudget | Exit::Differs | Exit::Partial => Exit::Input,
+                first => *first,
+            },
             Some(_) => Exit::Partial,
             None if self.codes.contains(&(Exit::OverBudget as u8)) => Exit::OverBudget,
             None if self.codes.contains(&(Exit::Differs as u8)) => Exit::Differs,
