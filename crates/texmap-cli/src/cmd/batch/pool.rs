@@ -33,6 +33,15 @@ pub(crate) enum Ended {
     },
 }
 
+impl Ended {
+    fn failed(&self) -> bool {
+        match self {
+            Self::Told(outcome) => outcome.error.is_some(),
+            Self::Gone { .. } => true,
+        }
+    }
+}
+
 /// Processes and their means.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Means {
@@ -42,11 +51,13 @@ pub(crate) struct Means {
     pub(crate) memory: Option<u64>,
 }
 
-/// Runs all jobs. `each` is called with every unit that ends, in the order of ends; once it returns false, no further job starts.
+/// Runs all jobs. `each` is called with every unit that ends, in the order of ends. No further job starts once it fails, or, with
+/// `fail_fast`, a unit.
 pub(crate) fn run(
     jobs: Vec<Job>,
     means: Means,
-    mut each: impl FnMut(usize, Ended) -> Result<bool, Failure>,
+    fail_fast: bool,
+    mut each: impl FnMut(usize, Ended) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     interrupt::at_end(close_all);
     let queue = Mutex::new(VecDeque::from(jobs));
@@ -61,7 +72,11 @@ pub(crate) fn run(
                     let Some(job) = locked(queue).pop_front() else {
                         break;
                     };
-                    let tell = |unit, end| {
+                    let tell = |unit, end: Ended| {
+                        // Here, as the next job may start before the end is received.
+                        if fail_fast && end.failed() {
+                            stopped.store(true, Ordering::Relaxed);
+                        }
                         let _ = send.send(Ok((unit, end)));
                     };
                     if let Err(failure) = serve(&mut worker, &job, means, &tell) {
@@ -77,18 +92,14 @@ pub(crate) fn run(
         drop(send);
         let mut result = Ok(());
         for news in ended {
-            let more = match news {
-                _ if result.is_err() => Ok(false),
+            let done = match news {
+                _ if result.is_err() => Ok(()),
                 Ok((unit, end)) => each(unit, end),
                 Err(failure) => Err(failure),
             };
-            match more {
-                Ok(true) => {}
-                Ok(false) => stopped.store(true, Ordering::Relaxed),
-                Err(failure) => {
-                    stopped.store(true, Ordering::Relaxed);
-                    result = Err(failure);
-                }
+            if let Err(failure) = done {
+                stopped.store(true, Ordering::Relaxed);
+                result = Err(failure);
             }
         }
         result

@@ -55,7 +55,6 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Exit, Failure> {
         plan: &plan,
         state: &state,
         lines,
-        fail_fast: args.flags.fail_fast,
         progress: Progress::of_items(args.verb.name(), units.len() as u64),
         records: BTreeMap::new(),
         skipped: resumed.len() as u64,
@@ -68,7 +67,8 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Exit, Failure> {
         run.tell(record, true)?;
     }
     let jobs = jobs(&plan, &left, means);
-    let outcome = pool::run(jobs, means, |unit, ended| run.ended(unit, ended));
+    let fail_fast = args.flags.fail_fast;
+    let outcome = pool::run(jobs, means, fail_fast, |unit, ended| run.ended(unit, ended));
     drop(std::mem::replace(&mut run.progress, Progress::hidden()));
     outcome?;
     run.finish(&shard, units.len() as u64, means, began)
@@ -186,7 +186,6 @@ struct Run<'a> {
     plan: &'a Plan,
     state: &'a State,
     lines: bool,
-    fail_fast: bool,
     progress: Progress,
     records: BTreeMap<u64, Record>,
     skipped: u64,
@@ -206,8 +205,8 @@ struct Line<'a> {
 }
 
 impl Run<'_> {
-    /// Takes the end of a unit; false once no more is to be started.
-    fn ended(&mut self, at: usize, ended: Ended) -> Result<bool, Failure> {
+    /// Takes the end of a unit.
+    fn ended(&mut self, at: usize, ended: Ended) -> Result<(), Failure> {
         let unit = &self.plan.units[at];
         let mut record = blank(self.plan, unit, at);
         let mut failed = None;
@@ -249,8 +248,7 @@ impl Run<'_> {
         } else {
             self.done += 1;
         }
-        self.tell(record, false)?;
-        Ok(failed.is_none() || !self.fail_fast)
+        self.tell(record, false)
     }
 
     /// Fills the record of a unit whose process told its end, and marks it if it is complete.
