@@ -71,6 +71,20 @@ fn one_bad_item_stops_the_rest_only_if_asked() {
     assert_eq!(run.code, 3);
     let (_, summary) = lines(&run);
     assert_eq!(summary["waiting"], 2, "{summary}");
+    // A dry run tells of inputs that are not there.
+    let run = desk.texmap("batch 00.obj gone.obj -o dry/ --dry-run");
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    assert!(
+        run.stderr.contains("gone.obj: no such file"),
+        "{}",
+        run.stderr
+    );
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(
+        text.contains("\"planned\"") && text.contains("\"failed\""),
+        "{text}"
+    );
+    assert_eq!(desk.texmap("batch gone.obj -o dry/ --dry-run").code, 4);
     // Nothing but bad items.
     assert_eq!(desk.texmap("batch 01.obj -o out/").code, 4);
     let run = desk.texmap("batch 00.obj -o none/ --resolution 4000x4000 --memory-limit 1M");

@@ -1,11 +1,13 @@
 //! A batch from its plan to its report.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::io::IsTerminal;
 use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
+use texmap_io::IoError;
 use texmap_math::MemoryBudget;
 use texmap_math::parallel;
 
@@ -74,18 +76,39 @@ pub(crate) fn run(args: &BatchArgs) -> Result<Exit, Failure> {
     run.finish(&shard, units.len() as u64, means, began)
 }
 
-/// Prints the units without running them.
+/// Prints the units without running them. One whose input is no file would fail.
 fn dry_run(plan: &Plan, units: &[(usize, &Unit)]) -> Result<Exit, Failure> {
+    let mut lost = 0;
     for (at, unit) in units {
         let mut record = blank(plan, unit, *at);
         record.status = Status::Planned;
+        if let Some(failure) = missing(Path::new(&record.input)) {
+            failure.report(false);
+            record.status = Status::Failed;
+            record.code = failure.exit as u8;
+            record.error = serde_json::to_value(failure.body()).ok();
+            lost += 1;
+        }
         let line = Planned {
             record,
             output: plan.output(unit),
         };
         failure::print_json_line(&line)?;
     }
-    Ok(Exit::Done)
+    Ok(match lost {
+        0 => Exit::Done,
+        all if all == units.len() => Exit::Input,
+        _ => Exit::Partial,
+    })
+}
+
+fn missing(input: &Path) -> Option<Failure> {
+    let (path, named_by) = (input.to_owned(), None);
+    match fs::metadata(input) {
+        Ok(metadata) if !metadata.is_dir() => None,
+        Ok(_) => Some(IoError::NotAFile { path, named_by }.into()),
+        Err(_) => Some(IoError::FileMissing { path, named_by }.into()),
+    }
 }
 
 #[derive(Serialize)]
