@@ -269,3 +269,19 @@ fn shapes_are_compared_and_lost_files_fail_alone() {
     assert!(lines[0].starts_with("FAIL  gone.png") && lines[0].contains("no such file"));
     assert_eq!(lines[1..], ["PASS  check.png", "PASS  a.npy"]);
 }
+
+#[cfg(unix)]
+#[test]
+fn names_with_line_breaks_are_hashed_on_one_line() {
+    let desk = Desk::new();
+    for name in ["a\nb\\n.png", "plain\\n.png"] {
+        desk.put(name, desk.read("check.png"));
+    }
+    let names = ["hash", "a\nb\\n.png", "plain\\n.png"];
+    let list = crate::program::run(&desk.path(""), &names).ok().stdout;
+    assert_eq!(String::from_utf8_lossy(&list).lines().count(), 2);
+    desk.put("list", list);
+    let checked = desk.texmap("hash --check list").ok();
+    let text = String::from_utf8(checked.stdout).unwrap();
+    assert_eq!(text, "PASS  a\\nb\\\\n.png\nPASS  plain\\n.png\n");
+}

@@ -1,5 +1,6 @@
 //! `texmap hash`: hashes of decoded pixels, to be committed and checked.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -12,7 +13,7 @@ use crate::failure::{self, Exit, Failure};
 /// Print the pixel hash of images or .npy arrays, or check a list of them.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The hash is of the decoded values, not of the file: two PNGs of the same pixels have one hash. HDR and EXR are hashed as floats. Exit code 1 when a check fails."
+    after_help = "The hash is of the decoded values, not of the file: two PNGs of the same pixels have one hash. HDR and EXR are hashed as floats. A line of a name with line breaks begins with `\\`, and has \\n, \\r and \\\\ in it, as of sha256sum. Exit code 1 when a check fails."
 )]
 pub(crate) struct HashArgs {
     /// The files
@@ -51,10 +52,10 @@ pub(crate) fn run(args: &HashArgs) -> Result<Exit, Failure> {
         failure::print_json(&results)?;
     } else {
         for result in &results {
-            let file = &result.file;
+            let (mark, file) = escaped(&result.file);
             let hash = result.pixel_hash.as_deref().unwrap_or_default();
             failure::print(&match (result.pass, &result.error) {
-                (None, _) => format!("{hash}  {file}\n"),
+                (None, _) => format!("{mark}{hash}  {file}\n"),
                 (Some(true), _) => format!("PASS  {file}\n"),
                 (Some(false), None) => format!("FAIL  {file}: it is {hash}\n"),
                 // The words begin with the name.
@@ -95,7 +96,10 @@ fn check(list: &Path) -> Result<Vec<Hashed>, Failure> {
         .enumerate()
         .filter(|(_, line)| !line.trim().is_empty());
     let results = lines.map(|(number, line)| match line.split_once("  ") {
-        Some((hash, name)) if hash.contains(':') => Ok(checked(&folder.join(name), hash)),
+        Some((hash, name)) if hash.contains(':') => Ok(match hash.strip_prefix('\\') {
+            Some(hash) => checked(&folder.join(unescaped(name)), hash),
+            None => checked(&folder.join(name), hash),
+        }),
         _ => Err(Failure::new(
             Exit::Input,
             "list",
@@ -114,4 +118,49 @@ fn check(list: &Path) -> Result<Vec<Hashed>, Failure> {
         ));
     }
     Ok(results)
+}
+
+/// A name on one line, and the mark before a line whose name is escaped. Names of other systems keep their backslashes.
+fn escaped(name: &str) -> (&'static str, Cow<'_, str>) {
+    match name.contains(['\n', '\r']) {
+        true => {
+            let name = name.replace('\\', "\\\\").replace('\n', "\\n");
+            ("\\", name.replace('\r', "\\r").into())
+        }
+        false => ("", name.into()),
+    }
+}
+
+fn unescaped(name: &str) -> String {
+    let mut plain = String::with_capacity(name.len());
+    let mut rest = name.chars();
+    while let Some(c) = rest.next() {
+        plain.push(match c {
+            '\\' => match rest.next() {
+                Some('n') => '\n',
+                Some('r') => '\r',
+                Some(other) => other,
+                None => '\\',
+            },
+            other => other,
+        });
+    }
+    plain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn escaped_names_come_back() {
+        for name in ["a\nb\\n.png", "\r", "\\\n\\"] {
+            let (mark, line) = escaped(name);
+            assert_eq!(mark, "\\");
+            assert!(!line.contains(['\n', '\r']), "{line}");
+            assert_eq!(unescaped(&line), name);
+        }
+        assert_eq!(escaped("a\\n.png"), ("", "a\\n.png".into()));
+        assert_eq!(unescaped("a\\"), "a\\");
+    }
 }
