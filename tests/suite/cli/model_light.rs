@@ -235,9 +235,14 @@ fn the_light_from_all_around_casts_shadows() {
     assert_ne!(shadowed, drawn(&desk, "--env-shadows 16").0);
     assert_eq!(open, drawn(&desk, "--env-shadows 0").0);
     desk.refused("render cube.obj --env-shadows 257 -o x.png", 2, "256");
-    let (_, report) = drawn(&desk, "--env none --env-shadows 64");
+    for flags in ["--env-shadows 64", "--env-rotate 90"] {
+        let (_, report) = drawn(&desk, &format!("--env none {flags}"));
+        let flag = flags.split(' ').next().unwrap();
+        assert!(report["warnings"].to_string().contains(flag), "{report}");
+    }
+    let (_, report) = drawn(&desk, "--env-rotate 90");
     assert!(
-        report["warnings"].to_string().contains("--env-shadows"),
+        !report["warnings"].to_string().contains("--env-rotate"),
         "{report}"
     );
 }

@@ -181,9 +181,16 @@ impl LightArgs {
         }
         // Surfaces that were changed since the model was read, and the ground.
         renew_studio(scene, self.further());
-        if let (Some(angle), Some(light)) = (self.env_rotate, &scene.effects.environment_light) {
-            let turned = light.clone().turned(angle.to_radians());
-            scene.effects.environment_light = Some(turned);
+        match (self.env_rotate, &scene.effects.environment_light) {
+            (Some(angle), Some(light)) => {
+                let turned = light.clone().turned(angle.to_radians());
+                scene.effects.environment_light = Some(turned);
+            }
+            (Some(_), None) => {
+                let warning = "--env-rotate: there is no light from all around to turn; give it with --env FILE, or --env neutral";
+                scene.warnings.push(warning.to_owned());
+            }
+            (None, _) => {}
         }
         match self.exposure {
             Some(exposure) => scene.effects.tone_mapping.exposure = exposure,
