@@ -119,6 +119,7 @@ fn bands_join_to_the_bytes_of_the_whole() {
         assert_eq!(run.json()["pictures"][0]["pixel_hash"], hash);
         assert!(desk.read("out/room.band-1-of-3.png") != desk.read("whole.png"));
     }
+    desk.refused("merge out -o x.jpg", 2, "joined to .png");
     for (more, word) in [
         ("-o x.png --bands 3 --aov depth", "--bands and --aov"),
         (

@@ -10,6 +10,7 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use texmap_io::PictureFormat;
 use texmap_math::parallel;
 
 use crate::cmd::batch::files::FileMark;
@@ -85,6 +86,19 @@ pub(crate) fn run(args: &MergeArgs) -> Result<Exit, Failure> {
                 args.output.display()
             ),
             "name a folder",
+        ));
+    }
+    if let Some(format) = PictureFormat::of(&args.output)
+        && !single
+        && !args.output.is_dir()
+    {
+        return Err(Failure::usage(
+            format!(
+                "-o {}: bands are joined to .png, and the name ends with .{}",
+                args.output.display(),
+                format.ending()
+            ),
+            "end the name with .png, or name a folder",
         ));
     }
     let base = match single {
