@@ -1,9 +1,13 @@
 //! The manifest of a batch: items with ids, outputs and settings of their own, as JSON.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use texmap_io::{FileSource, shortened};
 
@@ -20,8 +24,8 @@ struct File1 {
     version: u32,
     verb: Option<String>,
     #[serde(default)]
-    settings: BTreeMap<String, Value>,
-    items: Vec<Entry>,
+    settings: Given,
+    items: Vec<Object<Entry>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -31,7 +35,64 @@ struct Entry {
     input: String,
     output: Option<String>,
     #[serde(default)]
-    settings: BTreeMap<String, Value>,
+    settings: Given,
+}
+
+/// An object by its names: the values of a structure may stand in an array, too, for serde.
+#[derive(Debug)]
+struct Object<T>(T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Object<T> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_map(ObjectVisitor(PhantomData))
+    }
+}
+
+struct ObjectVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for ObjectVisitor<T> {
+    type Value = Object<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(Object)
+    }
+}
+
+/// Settings as they are given, each once.
+#[derive(Debug, Default)]
+struct Given(BTreeMap<String, Value>);
+
+impl<'de> Deserialize<'de> for Given {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_map(GivenVisitor)
+    }
+}
+
+struct GivenVisitor;
+
+impl<'de> Visitor<'de> for GivenVisitor {
+    type Value = Given;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object of settings")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut all = BTreeMap::new();
+        while let Some((name, value)) = map.next_entry::<String, Value>()? {
+            if all.contains_key(&name) {
+                return Err(A::Error::custom(format_args!(
+                    "the setting `{name}` is given twice"
+                )));
+            }
+            all.insert(name, value);
+        }
+        Ok(Given(all))
+    }
 }
 
 /// An item as a manifest names it.
@@ -68,7 +129,7 @@ impl Manifest {
         };
         let why = "docs/batch.md has the schema of manifests";
         let text = FileSource::anywhere().read_text(path, FileSource::MAX_LIST)?;
-        let file: File1 = serde_json::from_str(&text)
+        let Object(file): Object<File1> = serde_json::from_str(&text)
             .map_err(|e| refused(shortened(&e.to_string()).to_string(), why))?;
         if file.version != VERSION {
             let what = format!(
@@ -89,21 +150,25 @@ impl Manifest {
         if file.items.is_empty() {
             return Err(refused("the manifest has no items".to_owned(), why));
         }
-        let settings = Settings::of_json(verb, &file.settings)
+        let settings = Settings::of_json(verb, &file.settings.0)
             .map_err(|what| refused(format!("settings: {what}"), why))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let items = file.items.into_iter().zip(0..).map(|(entry, number)| {
-            let own = Settings::of_json(verb, &entry.settings).map_err(|what| {
-                let name = entry.id.clone().unwrap_or_else(|| format!("{number}"));
-                refused(format!("item {name}: {what}"), why)
-            })?;
-            Ok(ManifestItem {
-                id: entry.id.or_else(|| Some(entry.input.clone())),
-                input: folder.join(&entry.input),
-                output: entry.output.map(|output| folder.join(output)),
-                settings: own,
-            })
-        });
+        let items = file
+            .items
+            .into_iter()
+            .zip(0..)
+            .map(|(Object(entry), number)| {
+                let own = Settings::of_json(verb, &entry.settings.0).map_err(|what| {
+                    let name = entry.id.clone().unwrap_or_else(|| format!("{number}"));
+                    refused(format!("item {name}: {what}"), why)
+                })?;
+                Ok(ManifestItem {
+                    id: entry.id.or_else(|| Some(entry.input.clone())),
+                    input: folder.join(&entry.input),
+                    output: entry.output.map(|output| folder.join(output)),
+                    settings: own,
+                })
+            });
         Ok(Self {
             items: items.collect::<Result<_, Failure>>()?,
             settings,
@@ -158,6 +223,23 @@ mod tests {
                 "item b: `x`",
             ),
             ("{\"version\":1,\n\"itens\":[]}", "line 2"),
+            (r#"[1,"render",{},[{"input":"a"}]]"#, "expected an object"),
+            (
+                r#"{"version":1,"items":[["b","a",null,{}]]}"#,
+                "expected an object",
+            ),
+            (
+                "{\"version\":1,\"items\":[{\"input\":\"a\",\"settings\":{\"fov\":1,\n\"fov\":2}}]}",
+                "`fov` is given twice at line 2",
+            ),
+            (
+                r#"{"version":1,"settings":{"resolution":null},"items":[{"input":"a"}]}"#,
+                "settings: `resolution`: expected a number",
+            ),
+            (
+                r#"{"version":1,"items":[{"input":"a","settings":{"resolution":false}}]}"#,
+                "item 0: `resolution`: expected a number",
+            ),
             (
                 r#"{"version":1,"items":[{"input":1}]}"#,
                 "expected a string",

@@ -32,7 +32,7 @@ impl Settings {
         self.0.insert(name.to_owned(), occurrences);
     }
 
-    /// The settings of a JSON object: `true` is a flag alone, `false` and `null` none, an array has several values.
+    /// The settings of a JSON object: `true` is a flag alone, `false` is none, an array has several values.
     pub(crate) fn of_json(
         verb: BatchVerb,
         object: &BTreeMap<String, Value>,
@@ -43,9 +43,11 @@ impl Settings {
             let Some(arg) = known else {
                 return Err(unknown(verb, name));
             };
+            let bare = matches!(arg.get_action(), ArgAction::SetTrue);
             let occurrences = match value {
-                Value::Bool(true) => vec![Vec::new()],
-                Value::Bool(false) | Value::Null => continue,
+                Value::Bool(true) if bare => vec![Vec::new()],
+                Value::Bool(false) if bare => continue,
+                Value::Bool(_) | Value::Null if !bare => return Err(no_value(name)),
                 Value::Array(all) => {
                     let words: Option<Vec<String>> = all.iter().map(word).collect();
                     let words = words.ok_or_else(|| not_plain(name))?;
@@ -130,6 +132,10 @@ fn not_plain(name: &str) -> String {
     format!("`{name}`: expected true, false, a number, a string, or an array of numbers or strings")
 }
 
+fn no_value(name: &str) -> String {
+    format!("`{name}`: expected a number, a string, or an array of numbers or strings")
+}
+
 fn unknown(verb: BatchVerb, name: &str) -> String {
     let names: Vec<String> = verb
         .settings()
@@ -170,6 +176,8 @@ mod tests {
             (r#"{"output":"a.png"}"#, "output"),
             (r#"{"threads":2}"#, "threads"),
             (r#"{"fov":{"x":1}}"#, "fov"),
+            (r#"{"fov":true}"#, "expected a number"),
+            (r#"{"strict":null}"#, "expected true"),
         ] {
             assert!(of(bad).unwrap_err().contains(word), "{bad}");
         }
