@@ -260,7 +260,7 @@ fn manifests_name_items_with_settings() {
         (
             r#"{"input":"00.obj","output":"a.png","settings":{"fov":999}}"#,
             2,
-            "00.obj",
+            "bad.json: item 00.obj: ",
         ),
         (
             r#"{"input":"00.obj","output":"a.png","setings":{}}"#,

@@ -151,7 +151,7 @@ impl Manifest {
             return Err(refused("the manifest has no items".to_owned(), why));
         }
         let settings = Settings::of_json(verb, &file.settings.0)
-            .map_err(|what| refused(format!("settings: {what}"), why))?;
+            .map_err(|what| refused(format!("settings of all items: {what}"), why))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let items = file
             .items
@@ -234,7 +234,7 @@ mod tests {
             ),
             (
                 r#"{"version":1,"settings":{"resolution":null},"items":[{"input":"a"}]}"#,
-                "settings: `resolution`: expected a number",
+                "settings of all items: `resolution`: expected a number",
             ),
             (
                 r#"{"version":1,"items":[{"input":"a","settings":{"resolution":false}}]}"#,

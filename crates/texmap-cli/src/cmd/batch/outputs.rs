@@ -189,7 +189,10 @@ pub(super) fn check(verb: BatchVerb, item: &Item) -> Result<Verb, Failure> {
         },
         Err(refusal) => {
             let mut failure = Failure::from(refusal);
-            failure.what = format!("{}: {}", item.id, failure.what);
+            failure.what = match &item.manifest {
+                Some(manifest) => format!("{manifest}: item {}: {}", item.id, failure.what),
+                None => format!("{}: {}", item.id, failure.what),
+            };
             Err(failure)
         }
     }

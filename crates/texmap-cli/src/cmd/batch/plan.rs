@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use texmap_io::{FileSource, PictureFormat};
 
@@ -25,6 +26,8 @@ pub(crate) struct Item {
     pub(crate) input: String,
     pub(crate) output: String,
     pub(crate) settings: Settings,
+    /// The manifest that names it, for messages.
+    pub(crate) manifest: Option<Arc<str>>,
 }
 
 /// A part of an item.
@@ -216,6 +219,7 @@ fn items(args: &BatchArgs) -> Result<Vec<Item>, Failure> {
         if is_manifest(input) {
             let manifest = Manifest::read(input, args.verb)?;
             let common = manifest.settings.with(&args.settings);
+            let name: Arc<str> = input.to_string_lossy().into();
             for entry in manifest.items {
                 // The command line comes last: it is the nearest.
                 let settings = manifest.settings.with(&entry.settings).with(&args.settings);
@@ -223,7 +227,11 @@ fn items(args: &BatchArgs) -> Result<Vec<Item>, Failure> {
                     true => common.clone(),
                     false => settings,
                 };
-                items.push(item(args, entry.id, &entry.input, entry.output, settings)?);
+                let item = item(args, entry.id, &entry.input, entry.output, settings)?;
+                items.push(Item {
+                    manifest: Some(Arc::clone(&name)),
+                    ..item
+                });
             }
             continue;
         }
@@ -290,6 +298,7 @@ fn item(
         output: text(&output)?,
         settings: settings.replaced(&OUTPUTS, of_item)?,
         id,
+        manifest: None,
     })
 }
 
