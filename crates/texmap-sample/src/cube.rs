@@ -154,10 +154,18 @@ impl Sampler {
         let (at, _) = FaceVector::new(Scalar, direction);
         let (One(face), [s, tc], m) = (at.face, at.across, at.major);
         let n = t.chain.levels[0].width as f32;
+        // Lengths whose squares leave f32 are divided by first.
+        let usual = m > 1e-12 && m < 1e15;
+        let by = if usual { 1.0 } else { m };
+        let [s, tc, m] = if usual {
+            [s, tc, m]
+        } else {
+            [s / m, tc / m, 1.0]
+        };
         // The quotient rule on sc / |major| and tc / |major| (Vulkan 1.4, "Cube Map Derivative
         // Transformation"); 0.5 n texels per unit.
         let slope2 = |d: [f32; 3]| {
-            let [ds, dt, dm] = on_face(face as usize, d);
+            let [ds, dt, dm] = on_face(face as usize, d.map(|c| c / by));
             let du = 0.5 * n * (ds * m - s * dm) / (m * m);
             let dv = 0.5 * n * (dt * m - tc * dm) / (m * m);
             let r = du * du + dv * dv;
@@ -183,5 +191,52 @@ const fn on_face(face: usize, [x, y, z]: [f32; 3]) -> [f32; 3] {
         3 => [x, -z, -y],
         4 => [x, -y, z],
         _ => [-x, -y, -z],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texel_data::TexelData;
+    use crate::texture::{Alpha, ColorSpace, Origin};
+
+    fn face(side: u32, texels: &[f32]) -> Image<'_> {
+        Image {
+            width: side,
+            height: side,
+            channels: 1,
+            texels: TexelData::F32(texels),
+            color: ColorSpace::Linear,
+            alpha: Alpha::Data,
+            origin: Origin::TopLeft,
+        }
+    }
+
+    /// A footprint is that of a direction of length 1, whatever its length is.
+    #[test]
+    fn levels_do_not_depend_on_the_length_of_a_direction() {
+        let texels: Vec<f32> = (0..64 * 64)
+            .map(|i| (i % 64 % 3 + i / 64 % 2) as f32)
+            .collect();
+        let t = TextureCube::new(&[face(64, &texels); 6])
+            .unwrap()
+            .with_mips();
+        let s = Sampler::default();
+        for d in [[0.2, 0.3, 1.0], [-1.0, 0.4, 0.1]] {
+            let seen = |k: f32| {
+                let by = |v: [f32; 3]| v.map(|c| c * k);
+                s.sample_cube_grad(&t, by(d), by([0.0, 0.09, 0.02]), by([0.03, 0.0, 0.05]))[0]
+            };
+            let base = s.sample_cube(&t, d, 0.0)[0];
+            assert!((seen(1.0) - base).abs() > 0.05, "{} {base}", seen(1.0));
+            for k in [1e-30, 1e-10, 1e10, 1e20, 1e30] {
+                assert!(
+                    (seen(k) - seen(1.0)).abs() < 1e-3,
+                    "{k}: {} {}",
+                    seen(k),
+                    seen(1.0)
+                );
+            }
+        }
     }
 }
