@@ -4,7 +4,7 @@ use crate::{
     address::wrap::Wrap,
     batch::{check, sample_slice},
     error::SampleError,
-    sampler::{Filter, Sampler},
+    sampler::{Filter, Sampler, finite_border},
     texture::{Origin, Texture2d},
 };
 use edges::Edges;
@@ -131,7 +131,7 @@ impl<'a> Resample<'a> {
             out,
         )?;
         let background = match self.edge_mode {
-            EdgeMode::Border(c) => c,
+            EdgeMode::Border(c) => finite_border(c),
             _ => [0.0; 4],
         };
         for (c, k) in out.iter_mut().zip(cover) {
@@ -178,5 +178,27 @@ impl<'a> Resample<'a> {
             (vy / h) as f32,
         );
         ((sx / w) as f32, (sy / h) as f32, d, cover as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texture::ColorSpace;
+
+    /// Numbers that are not finite count as a sampler's border does: NaN is 0.
+    #[test]
+    fn borders_that_are_not_finite_give_numbers() {
+        let white = alloc::vec![255; 16];
+        let texture =
+            Texture2d::from_rgba8(2, 2, white, ColorSpace::Linear, Origin::TopLeft).unwrap();
+        let moved = DMat3::from_translation(DVec2::new(0.5, 0.0));
+        let moved = Homography::from_matrix(moved).unwrap();
+        let border = EdgeMode::Border([f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.0]);
+        let resample = Resample::new(&texture, Filter::Bilinear, border, &moved);
+        let mut out = [[0.0; 4]; 4];
+        resample.rows(Level::new(), 4, 0, &mut out).unwrap();
+        assert!(out.as_flattened().iter().all(|c| c.is_finite()), "{out:?}");
+        assert_eq!((out[3][0], out[3][3]), (0.0, 1.0));
     }
 }

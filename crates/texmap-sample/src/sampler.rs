@@ -231,16 +231,7 @@ impl Sampler {
 
     /// The border in units of a format, finite in any of them.
     pub(crate) fn border_in(&self, units: f32) -> [f32; 4] {
-        const MOST: f32 = 1.267_650_6e30;
-        let within = |c: f32| {
-            if c.is_nan() {
-                0.0
-            } else {
-                c.clamp(-MOST, MOST)
-            }
-        };
-        let [r, g, b, a] = self.border;
-        scaled([within(r), within(g), within(b), within(a)], units)
+        scaled(finite_border(self.border), units)
     }
 
     /// Bias and limits; NaN reads as 0.
@@ -249,6 +240,18 @@ impl Sampler {
         let lod = if lod.is_nan() { 0.0 } else { lod };
         self.lod_range().limit(Scalar, lod)
     }
+}
+
+/// A border that is finite in the units of any format: within 2^100, NaN as 0.
+pub(crate) fn finite_border(border: [f32; 4]) -> [f32; 4] {
+    const MOST: f32 = 1.267_650_6e30;
+    let mut out = [0.0; 4];
+    for (out, c) in out.iter_mut().zip(border) {
+        if !c.is_nan() {
+            *out = c.clamp(-MOST, MOST);
+        }
+    }
+    out
 }
 
 /// `nearest`, `bilinear`, `bicubic:mitchell`, `mip-nearest`, `bilinear-mip-nearest`, `trilinear`,
