@@ -131,7 +131,8 @@ impl<'a> VolumeIntegrator<'a> {
         };
         let step = length / f64::from(count);
         let lod = self.level(direction, step);
-        let depth = self.density * step as f32;
+        // Finite, so that a density of 0 stays none.
+        let depth = self.density * (step as f32).min(f32::MAX);
         // Many steps of little matter: 32-bit sums would lose what each adds.
         let (mut left, mut sums) = (1.0f64, [0.0f64; 3]);
         let at = |i: u32| {
@@ -328,6 +329,24 @@ mod tests {
                 }
             }
         }
+        // A density of 0 hides nothing, even where the parameter of the ray leaves f32 within the cube.
+        let grid = Texture3d::new(
+            1,
+            &Image {
+                width: 1,
+                height: 1,
+                channels: 1,
+                texels: crate::texel_data::TexelData::F32(&[1.0]),
+                color: ColorSpace::Linear,
+                alpha: Alpha::Data,
+                origin: Origin::TopLeft,
+            },
+        )
+        .unwrap();
+        let sampler = Sampler::default();
+        let volume = VolumeIntegrator::new(&grid, &sampler, None, 0.0, 0.1).unwrap();
+        let seen = volume.integrate([0.5, 0.5, 0.0], [0.0, 0.0, 1e-45], (0.0, f64::MAX));
+        assert_eq!(seen.color, [0.0; 4]);
         // A voxel of nearly no matter has no endless colour.
         assert!(straight([1.0, 0.0, 0.0, 1e-39]).0[0].is_finite());
     }
