@@ -60,11 +60,11 @@ impl BlockFormat {
         }
     }
 
-    /// Bytes of a level: whole blocks, so that a level of one texel has 16.
+    /// Bytes of a level: whole blocks, so that a level of one texel has as many as a block; the largest number where there are more.
     #[must_use]
     pub const fn level_bytes(self, width: u32, height: u32) -> usize {
-        let blocks = width.div_ceil(4) as usize * height.div_ceil(4) as usize;
-        blocks * self.block_bytes()
+        let blocks = (width.div_ceil(4) as usize).saturating_mul(height.div_ceil(4) as usize);
+        blocks.saturating_mul(self.block_bytes())
     }
 }
 
@@ -312,5 +312,16 @@ impl Blocks {
             BlockFormat::Bc7 => word(0) & 15 != 0,
             _ => true,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_of_levels_end_at_the_largest_number() {
+        assert_eq!(BlockFormat::Bc1.level_bytes(5, 1), 16);
+        assert_eq!(BlockFormat::Bc7.level_bytes(u32::MAX, u32::MAX), usize::MAX);
     }
 }
