@@ -18,7 +18,7 @@ pub struct Edge {
 }
 
 impl Edge {
-    /// The edge from `p0` to `p1`.
+    /// The edge from `p0` to `p1`. Positions are those of [`fixed`](crate::fixed), within 2^29: products of others leave i64.
     #[inline]
     #[must_use]
     pub const fn new(p0: FixedPoint, p1: FixedPoint) -> Self {

@@ -16,7 +16,8 @@ pub fn snap(clip: DVec4, size: TargetSize) -> Option<FixedPoint> {
     snap_point(DVec2::new(x, y))
 }
 
-/// True if the snapped triangle covers a pixel's centre, by exact edge functions and the top-left rule.
+/// True if the snapped triangle covers a pixel's centre, by exact edge functions and the top-left rule. Positions are within 2^29, pixels
+/// within 2^21, as [`snap`] gives them.
 #[must_use]
 pub fn covers(triangle: [FixedPoint; 3], x: i32, y: i32) -> bool {
     TriangleEdges::new(triangle).is_some_and(|t| t.covers(FixedPoint::pixel_centre(x, y)))
