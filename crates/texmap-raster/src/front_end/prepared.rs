@@ -232,7 +232,7 @@ impl<'a> BinnedDraws<'a> {
         self.bin_start.len() - 1
     }
 
-    /// True if no triangle reaches a tile.
+    /// True if no triangle reaches a tile. None reaches those beyond the last.
     #[must_use]
     pub fn is_empty(&self, tile: usize) -> bool {
         self.bin_of(tile).is_empty()
@@ -255,6 +255,10 @@ impl<'a> BinnedDraws<'a> {
     }
 
     /// The draw, and the index of its triangle, that an id belongs to.
+    ///
+    /// # Panics
+    /// For an id that none of these draws has, as do [`evaluate`](Self::evaluate), [`setup`](Self::setup) and
+    /// [`is_front`](Self::is_front).
     #[must_use]
     pub fn source(&self, id: u32) -> (u32, u32) {
         let whole = self.whole();
@@ -326,7 +330,10 @@ impl<'a> BinnedDraws<'a> {
     }
 
     pub(crate) fn bin_of(&self, tile: usize) -> &[u32] {
-        &self.bin_ids[self.bin_start[tile] as usize..self.bin_start[tile + 1] as usize]
+        match self.bin_start.get(tile..).unwrap_or_default() {
+            [from, to, ..] => &self.bin_ids[*from as usize..*to as usize],
+            _ => &[],
+        }
     }
 
     /// The triangle behind an id and its pixels within the target.
@@ -446,5 +453,10 @@ mod tests {
         assert_eq!(fronts, shapes);
         assert!(fronts.contains(&true) && fronts.contains(&false));
         assert!(ids.iter().any(|id| *id >= prepared.whole()));
+        // There is nothing beyond the last tile.
+        let far = prepared.tiles() + 99;
+        let mut buffers = crate::VisibilityBuffer::new();
+        prepared.visible(far, &crate::NoAlphaTest, &mut buffers);
+        assert!(prepared.is_empty(far) && buffers.id.iter().all(|id| *id == crate::NO_PRIMITIVE));
     }
 }
