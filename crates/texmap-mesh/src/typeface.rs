@@ -11,6 +11,9 @@ pub struct Typeface {
     face: Face<'static>,
 }
 
+/// Most pixels of a grid: half a gigabyte of sums.
+const MOST_PIXELS: u64 = 1 << 26;
+
 /// A grid of pixels and where a character stands in it. Of the built-in typeface, a character is one step wide; capitals rise 1.217
 /// steps above the base line, accents at most 1.66, and descenders fall 0.34 below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,9 +50,12 @@ impl Typeface {
 
     /// The share of each pixel of a grid that a character covers, 0 to 1 in steps of 1/4096, row by row from the top: the area inside of
     /// the outline, its curves as chords. A missing character is drawn as `?`; what lies outside of the grid is cut. All pixels are 0 if
-    /// a number of the grid is not finite.
+    /// a number of the grid is not finite, and there are none in a grid of more than 2^26.
     #[must_use]
     pub fn coverage(&self, character: char, grid: &GlyphGrid) -> Vec<f32> {
+        if u64::from(grid.width) * u64::from(grid.height) > MOST_PIXELS {
+            return Vec::new();
+        }
         let mut area = Area::new(grid.width as usize, grid.height as usize);
         let glyph = self
             .face
@@ -331,5 +337,11 @@ mod tests {
             ..grid
         };
         assert!(face.coverage('A', &broken).iter().all(|v| *v == 0.0));
+        let large = GlyphGrid {
+            width: u32::MAX,
+            height: u32::MAX,
+            ..grid
+        };
+        assert_eq!(face.coverage('A', &large), []);
     }
 }
