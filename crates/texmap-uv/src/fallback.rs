@@ -58,7 +58,8 @@ pub fn project(
                     ShapeFace::facing(outward).flat(unit)
                 }
             };
-            place.uv(origin).map(|c| c as f32)
+            // Rounding of coordinates far from 0 may leave the box.
+            place.uv(origin).map(|c| c.clamp(0.0, 1.0) as f32)
         })
         .collect()
 }
@@ -98,6 +99,26 @@ mod tests {
         assert_eq!(bottom[0], [0.0, 0.0]);
         assert_eq!(top[6], [1.0, 0.0]);
         assert_eq!(bottom[6], [1.0, 1.0]);
+    }
+
+    #[test]
+    fn coordinates_stay_within_the_image_at_large_extents() {
+        let far = 2.0f32.powi(31);
+        for low in [1.0, 3.0, 7.0] {
+            for x in [-far, -far + 256.0, far - 128.0, far] {
+                let positions = [
+                    [x, low, -far],
+                    [low, far, x],
+                    [-far, -far, far],
+                    [far, x, low],
+                ];
+                for projection in [Projection::Plane, Projection::Box, Projection::Sphere] {
+                    let uvs = project(&positions, &[], projection, Origin::TopLeft);
+                    let uvs = uvs.as_flattened();
+                    assert!(uvs.iter().all(|c| (0.0..=1.0).contains(c)), "{uvs:?}");
+                }
+            }
+        }
     }
 
     #[test]
