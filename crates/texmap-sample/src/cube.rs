@@ -26,7 +26,7 @@ pub struct TextureCube<'a> {
 }
 
 impl TextureCube<'static> {
-    /// From six images of equal square size.
+    /// From six images of equal square size. Their rows count from the top, whatever their [`origin`](Image::origin) is.
     ///
     /// # Errors
     /// As [`Texture2d::new`]; a face that is not square or unlike the first.
