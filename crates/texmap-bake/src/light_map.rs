@@ -147,6 +147,18 @@ impl<'s> Baker<'s> {
             ks: 0.0,
             ns: 1.0,
         };
+        let named = options.lights.into_iter().flatten().copied();
+        let shadowed = options.shadows.iter().map(|shadow| shadow.0);
+        let count = scene.lights.len();
+        if let Some(light) = named.chain(shadowed).find(|light| *light >= count) {
+            return Err(SceneError::Index {
+                place: "bake".to_owned(),
+                what: "light",
+                index: light as u64,
+                count,
+            }
+            .into());
+        }
         let wanted: Option<BTreeSet<usize>> =
             options.lights.map(|all| all.iter().copied().collect());
         let counts = |light: usize| wanted.as_ref().is_none_or(|all| all.contains(&light));
@@ -232,7 +244,7 @@ fn by_light<'a>(shadows: &'a [LightShadow], lights: &[usize]) -> Vec<Vec<&'a Lig
 /// lit off the mesh; then islands are dilated. The same bits for any number of threads.
 ///
 /// # Errors
-/// Those of [`Scene::check`]; [`SceneError::Index`] for a mesh that does not exist, [`SceneError::MissingUv`] for one without
+/// Those of [`Scene::check`]; [`SceneError::Index`] for a mesh or a light that does not exist, [`SceneError::MissingUv`] for one without
 /// coordinates, [`RenderError::Raster`] for a size out of range, [`RenderError::Memory`] for a map beyond the memory budget of the process.
 pub fn bake(
     scene: &Scene,
@@ -307,5 +319,18 @@ mod tests {
         assert_eq!(light(None), 0.5);
         assert_eq!(light(Some(&[2, 3])), 0.25);
         assert_eq!(light(Some(&[1, 3])), 0.0);
+    }
+
+    #[test]
+    fn lights_that_do_not_exist_are_named() {
+        let scene = floor(2);
+        let far = [shadow(7, true)];
+        for (shadows, lights) in [(&far[..], None), (&[], Some(&[0, 7][..]))] {
+            let error = bake(&scene, 0, &options(shadows, lights)).unwrap_err();
+            assert!(
+                error.to_string().contains("light 7 does not exist"),
+                "{error}"
+            );
+        }
     }
 }
