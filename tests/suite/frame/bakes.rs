@@ -69,8 +69,8 @@ fn a_break_of_progress_ends_a_bake() {
     pool.unwrap().install(|| {
         let (whole, calls) = work(usize::MAX);
         assert_eq!(whole.unwrap(), bake(&scene, 0, &options).unwrap());
-        // One row of tiles in three stages, two texels of gutter, 64 rows.
-        assert_eq!(calls, 3 + 2 + 64);
+        // One row of tiles in four stages, two texels of gutter, 64 rows.
+        assert_eq!(calls, 4 + 2 + 64);
         for last in [1, 4, 5, 6, 40, calls] {
             let (cancelled, early) = work(last);
             assert!(matches!(cancelled, Err(RenderError::Cancelled)));
