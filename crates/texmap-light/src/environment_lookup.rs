@@ -247,7 +247,11 @@ const RAISE: f32 = (1u64 << 50) as f32;
 /// Components on a face, raised where one over the largest would leave f32, and the factor that is in them twice.
 #[inline(always)]
 fn raised<I: Isa>(i: I, [sc, tc, m]: Vector<I>) -> (Vector<I>, I::F32) {
-    let up = m.simd_lt(SHORT).select(i.f32(RAISE), i.f32(1.0));
+    let (short, one) = (m.simd_lt(SHORT), i.f32(1.0));
+    if !short.any_true() {
+        return ([sc, tc, m], one);
+    }
+    let up = short.select(i.f32(RAISE), one);
     ([sc * up * up, tc * up * up, m * up * up], up)
 }
 

@@ -10,7 +10,7 @@ use crate::{
     sampler::{Precision, Sampler},
     texel_data::Chain,
     texture::{Image, Texture2d, check_size},
-    upload::upload,
+    upload::{MAX_WORDS, choose_format, upload},
 };
 use alloc::vec::Vec;
 use kernel::FaceVector;
@@ -33,6 +33,13 @@ impl TextureCube<'static> {
     pub fn new(faces: &[Image<'_>; 6]) -> Result<Self, SampleError> {
         let first = faces[0];
         check_size(first.width, first.height)?;
+        let texels = 6 * first.check(1)? as u64;
+        if texels * choose_format(&first).words() as u64 > MAX_WORDS as u64 {
+            return Err(SampleError::TooLarge {
+                width: first.width,
+                height: first.height,
+            });
+        }
         let mut words = Vec::new();
         let mut chain: Option<Chain<'static>> = None;
         for face in faces {
@@ -210,6 +217,20 @@ mod tests {
             alpha: Alpha::Data,
             origin: Origin::TopLeft,
         }
+    }
+
+    /// Six faces are one list of words: each alone would fit.
+    #[test]
+    fn faces_that_are_too_large_together_are_refused() {
+        let side = 16_384;
+        let texels = alloc::vec![0; (side * side) as usize];
+        let face = Image {
+            texels: TexelData::U8(&texels),
+            color: ColorSpace::Linear,
+            ..face(side, &[])
+        };
+        let refused = TextureCube::new(&[face; 6]);
+        assert!(matches!(refused, Err(SampleError::TooLarge { .. })));
     }
 
     /// A footprint is that of a direction of length 1, whatever its length is.

@@ -8,13 +8,15 @@ use crate::{
 use alloc::{sync::Arc, vec, vec::Vec};
 use texmap_math::color;
 
+/// Words of a level 0: a chain adds at most a third (2D) to them, and gather indices are 31-bit.
+pub(crate) const MAX_WORDS: usize = 3 << 28;
+
 /// Checks, decodes and packs `depth` images that stand one after the other.
 pub(crate) fn upload(image: &Image<'_>, depth: u32) -> Result<Chain<'static>, SampleError> {
     let Image { width, height, .. } = *image;
     let count = image.check(depth)?;
     let format = choose_format(image);
-    // A chain adds at most a third (2D) to the words; gather indices are 31-bit.
-    if count * format.words() > 3 << 28 {
+    if count * format.words() > MAX_WORDS {
         return Err(SampleError::TooLarge { width, height });
     }
     let mut words = Vec::with_capacity(count * format.words());
