@@ -26,8 +26,13 @@ pub(super) fn texels(input: &Path) -> u64 {
         "obj" | "scene" | "mtl" => Some(of_text(input, &head(file, 0, TEXT)?)),
         _ => None,
     };
-    let file = File::open(input).ok();
-    file.and_then(of_input).unwrap_or(0)
+    ordinary(input).and_then(of_input).unwrap_or(0)
+}
+
+/// Pipes and devices are not opened: they may wait without end.
+fn ordinary(path: &Path) -> Option<File> {
+    let metadata = path.metadata().ok()?;
+    metadata.is_file().then(|| File::open(path).ok())?
 }
 
 fn ending(path: &Path) -> String {
@@ -45,7 +50,7 @@ fn head(mut file: File, from: u64, most: u64) -> Option<Vec<u8>> {
 
 fn of_picture(path: &Path) -> u64 {
     let texels = || {
-        let file = File::open(path).ok()?;
+        let file = ordinary(path)?;
         let length = file.metadata().ok()?.len();
         Some(size(&head(file, 0, HEAD)?).unwrap_or(length * TEXELS_A_BYTE))
     };
@@ -176,9 +181,17 @@ mod tests {
         };
         put("a.png", &png());
         put("b.webp", &[0; 100]);
+        #[cfg(unix)]
+        {
+            // Opening a pipe that nothing writes would wait for ever.
+            let pipe = std::process::Command::new("mkfifo")
+                .arg(dir.path().join("pipe.png"))
+                .status();
+            assert!(pipe.unwrap().success());
+        }
         put(
             "m.mtl",
-            b"newmtl x\nmap_Kd -s 2 2 1 a.png\nmap_Ks a.png\nbump b.webp\nmap_d lost.png\n",
+            b"newmtl x\nmap_Kd -s 2 2 1 a.png\nmap_Ks a.png\nbump b.webp\nmap_d lost.png\nmap_Ke pipe.png\n",
         );
         let model = put("m.obj", b"mtllib m.mtl\nv 0 0 0\n");
         assert_eq!(texels(&model), 60_000 + 400);
