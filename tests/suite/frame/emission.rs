@@ -1,12 +1,12 @@
 //! Light that surfaces give off.
 
-use texmap_light::{Light, PhongMaterial};
+use texmap_light::Light;
 use texmap_render::{RenderSettings, render};
 use texmap_sample::Filter;
 use texmap_scene::{Emission, Material, Scene, SceneError, Shading};
 use texmap_tests::levels::levels;
 
-use crate::scenes::{draw, of, pixel, slot, texture, wall};
+use crate::scenes::{draw, glowing, of, pixel, slot, texture, wall};
 
 /// Emission is added to what a surface receives, under every kind of shading, and clipped with it. The bytes are those of
 /// its own formula.
@@ -18,19 +18,11 @@ fn surfaces_give_off_light_of_their_own() {
     let base = [0.2, 0.4, 0.6];
     let color = [0.5, 1.0, 2.0];
     let frame = |shading, map: bool| {
-        let material = Material {
-            phong: PhongMaterial {
-                color: base,
-                ka: 1.0,
-                ..PhongMaterial::default()
-            },
-            shading,
-            emission: Some(Emission {
-                color,
-                map: map.then(|| slot(0, Filter::Nearest).unwrap()),
-            }),
-            ..Material::default()
+        let light = Emission {
+            color,
+            map: map.then(|| slot(0, Filter::Nearest).unwrap()),
         };
+        let material = glowing(base, shading, light);
         let scene = Scene {
             lights: vec![Light::Ambient { color: [0.5; 3] }],
             textures: vec![picture.clone()],

@@ -3,7 +3,7 @@
 use texmap_light::PhongMaterial;
 use texmap_render::{Aov, AovData, Frame, RenderSettings, render};
 use texmap_sample::{ColorSpace, Filter, Origin, Sampler, Texture2d};
-use texmap_scene::{Material, Mesh, Scene, Shading, TextureSlot};
+use texmap_scene::{Emission, Material, Mesh, Scene, Shading, TextureSlot};
 
 pub(crate) use texmap_targets::scenes::{empty, quad};
 
@@ -23,6 +23,20 @@ pub(crate) fn unlit(color: [f32; 3]) -> Material {
             ..PhongMaterial::default()
         },
         shading: Shading::Unlit,
+        ..Material::default()
+    }
+}
+
+/// A surface of this base colour, whole under ambient light, that gives off light of its own.
+pub(crate) fn glowing(color: [f32; 3], shading: Shading, emission: Emission) -> Material {
+    Material {
+        phong: PhongMaterial {
+            color,
+            ka: 1.0,
+            ..PhongMaterial::default()
+        },
+        shading,
+        emission: Some(emission),
         ..Material::default()
     }
 }

@@ -8,7 +8,7 @@ use texmap_scene::{
 };
 use texmap_tests::levels::levels;
 
-use crate::scenes::{draw_aovs, of, slot, unlit, values, wall};
+use crate::scenes::{draw_aovs, glowing, of, slot, unlit, values, wall};
 
 const BRIGHT: [f32; 3] = [0.5, 3.0, 40.0];
 
@@ -86,19 +86,11 @@ fn light_of_lit_and_unlit_surfaces_is_kept() {
         (Shading::PerVertex, 0.5),
         (Shading::PerPixel, 3.0),
     ] {
-        let material = Material {
-            phong: PhongMaterial {
-                color: base,
-                ka: 1.0,
-                ..PhongMaterial::default()
-            },
-            shading,
-            emission: Some(Emission {
-                color: emission,
-                map: None,
-            }),
-            ..Material::default()
+        let light = Emission {
+            color: emission,
+            map: None,
         };
+        let material = glowing(base, shading, light);
         let scene = Scene {
             lights: vec![Light::Ambient {
                 color: [received; 3],
