@@ -198,13 +198,12 @@ impl LightArgs {
             None => {}
         }
         match self.tone_map {
+            // Floats hold all light.
+            None | Some(ToneMap::None) if floats => {
+                scene.effects.tone_mapping.map = ToneMap::Unclipped;
+            }
             Some(map) => scene.effects.tone_mapping.map = map,
-            None if floats => scene.effects.tone_mapping.map = ToneMap::None,
             None => {}
-        }
-        // Floats hold all light.
-        if floats && scene.effects.tone_mapping.map == ToneMap::None {
-            scene.effects.tone_mapping.map = ToneMap::Unclipped;
         }
         if behind {
             if scene.effects.environment_light.is_none() {
