@@ -456,7 +456,7 @@ fn code(light: DVec3) -> DVec3 {
 #[test]
 fn spheres_in_the_studio_are_near_their_integral() {
     let room = Room::new(EnvironmentLight::studio(), 64);
-    let side = 5u32;
+    let side = 9u32;
     let view = DVec3::new(0.3, 0.35, 1.0).normalize();
     let x = DVec3::Y.cross(view).normalize();
     let y = view.cross(x);
@@ -502,7 +502,7 @@ fn spheres_in_the_studio_are_near_their_integral() {
     }
     let root = |squares: f64| (squares / f64::from(count)).sqrt();
     let by_roughness = squares.map(|squares| root(7.0 * squares));
-    let limits = [0.0010, 0.0086, 0.0103, 0.0050, 0.0039, 0.0036, 0.0055];
+    let limits = [0.0011, 0.0150, 0.0098, 0.0060, 0.0039, 0.0034, 0.0048];
     assert!(
         by_roughness.iter().zip(limits).all(|(e, limit)| *e < limit),
         "{by_roughness:?}"
@@ -511,7 +511,7 @@ fn spheres_in_the_studio_are_near_their_integral() {
     let even_base = even_base.map(|squares| root(7.0 * squares));
     assert!(even_base[0] > 4.0 * by_roughness[0], "{even_base:?}");
     let (rmse, single, dull) = (root(squares.iter().sum()), root(single), root(dull));
-    assert!(rmse < 0.0061, "{rmse}");
+    assert!(rmse < 0.0076, "{rmse}");
     assert!(
         single > 2.0 * rmse && dull > 2.0 * single,
         "{rmse} {single} {dull}"
