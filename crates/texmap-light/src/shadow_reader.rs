@@ -66,6 +66,12 @@ impl ShadowSampler {
         Self { map, form }
     }
 
+    /// The kind of light that the map belongs to.
+    #[must_use]
+    pub fn kind(&self) -> &ShadowKind {
+        self.map.kind()
+    }
+
     /// The depths of the map, to be used again; everything is lit from then on.
     #[doc(hidden)]
     pub fn take_depths(&mut self) -> Vec<f32> {

@@ -1,5 +1,7 @@
 //! The effects of a scene, made ready before the first tile: shadow maps, projectors, environments.
 
+use std::sync::Arc;
+
 use texmap_light::{
     BoundProjectorTexture, Environment, EnvironmentSample, Light, ProjectorTexture, ShadowBias,
     ShadowKind, ShadowSampler,
@@ -24,9 +26,13 @@ pub(crate) struct FrameResources<'s> {
     pub(crate) projector_lights: Vec<Projected<'s>>,
     pub(crate) projector_decals: Vec<Projected<'s>>,
     pub(crate) environments: &'s [Environment],
-    /// Samples of the environment light, and what the scene hides of each.
-    pub(crate) environment_shadows: Vec<(EnvironmentSample, ShadowSampler)>,
+    pub(crate) environment_shadows: EnvironmentShadows,
 }
+
+/// Samples of the environment light, and the shadow map of each: see [`Effects::environment_shadows`](texmap_scene::Effects). They
+/// depend neither on the camera nor on the settings.
+#[derive(Clone, Debug)]
+pub struct EnvironmentShadows(pub(crate) Arc<Vec<(EnvironmentSample, ShadowSampler)>>);
 
 impl<'s> FrameResources<'s> {
     /// Draws all maps.
@@ -111,19 +117,28 @@ impl<'s> FrameResources<'s> {
             }
         }
         let (samples, bias) = texmap_scene::shadow_fit::environment_shadows(scene);
-        if first_frame && !samples.is_empty() {
-            let texels = u64::from(ENVIRONMENT_SHADOW_SIZE).pow(2);
-            settings.memory.ask(
-                texels * 4 * samples.len() as u64,
-                format_args!("{} shadow maps of the environment light", samples.len()),
-                "let fewer of its samples cast shadows",
-            )?;
-        }
-        let mut environment_shadows = Vec::new();
-        for (sample, kind) in samples {
-            let map = draw(&kind, ENVIRONMENT_SHADOW_SIZE, bias, 1)?;
-            environment_shadows.push((sample, map));
-        }
+        let fits = |EnvironmentShadows(made): &&EnvironmentShadows| {
+            let made = made.iter().map(|(sample, map)| (sample, map.kind()));
+            made.eq(samples.iter().map(|(sample, kind)| (sample, kind)))
+        };
+        let environment_shadows = match settings.environment_shadows.as_ref().filter(fits) {
+            Some(made) => made.clone(),
+            None => {
+                if first_frame && !samples.is_empty() {
+                    let texels = u64::from(ENVIRONMENT_SHADOW_SIZE).pow(2);
+                    settings.memory.ask(
+                        texels * 4 * samples.len() as u64,
+                        format_args!("{} shadow maps of the environment light", samples.len()),
+                        "let fewer of its samples cast shadows",
+                    )?;
+                }
+                let draw = |(sample, kind)| {
+                    draw(&kind, ENVIRONMENT_SHADOW_SIZE, bias, 1).map(|map| (sample, map))
+                };
+                let made: Result<Vec<_>, RenderError> = samples.into_iter().map(draw).collect();
+                EnvironmentShadows(Arc::new(made?))
+            }
+        };
         Ok(Self {
             lights,
             shadows,
@@ -142,7 +157,8 @@ impl<'s> FrameResources<'s> {
             .iter_mut()
             .chain(&mut self.projector_decals);
         let of_projectors = projectors.filter_map(|projected| projected.shadow.as_mut());
-        let of_sky = self.environment_shadows.iter_mut().map(|(_, map)| map);
+        let of_sky = Arc::get_mut(&mut self.environment_shadows.0);
+        let of_sky = of_sky.into_iter().flatten().map(|(_, map)| map);
         let all = of_lights.chain(of_projectors).chain(of_sky);
         all.map(ShadowSampler::take_depths).collect()
     }
@@ -150,7 +166,7 @@ impl<'s> FrameResources<'s> {
     /// True if there are neither projectors nor shadows, so that plain surfaces need no effects.
     pub(crate) fn is_plain(&self) -> bool {
         !self.has_projectors()
-            && self.environment_shadows.is_empty()
+            && self.environment_shadows.0.is_empty()
             && self.shadows.iter().all(Vec::is_empty)
     }
 

@@ -85,6 +85,7 @@ mod vertices;
 
 pub use error::RenderError;
 pub use frame::{AovData, Frame, HOLE_BITS, PixelHash, Stats, Times, hash_pixels, pixel_hash};
+pub use frame_resources::EnvironmentShadows;
 pub use render::{Renderer, render, render_ordered};
 pub use settings::{Aov, RenderSettings, UnknownAov};
 pub use shadow::{shadow_map, shadow_map_for};

@@ -16,7 +16,9 @@ use crate::resolve::rows::{AovParts, blocks, split};
 use crate::stopwatch::Stopwatch;
 use crate::textures::Chains;
 use crate::tile::job::{Block, Job, Scratch};
-use crate::{Aov, AovData, Frame, HOLE_BITS, RenderError, RenderSettings, Stats};
+use crate::{
+    Aov, AovData, EnvironmentShadows, Frame, HOLE_BITS, RenderError, RenderSettings, Stats,
+};
 use texmap_scene::Scene;
 
 /// Draws a scene: [`Renderer::new`], then [`Renderer::draw`].
@@ -122,6 +124,12 @@ impl<'s> Renderer<'s> {
         let mut frame = empty_frame(&self.settings);
         self.draw_into(&mut frame, progress, &|blocks| (0..blocks).collect())?;
         Ok(frame)
+    }
+
+    /// The shadow maps of the environment light, for a [further picture](RenderSettings::environment_shadows) by another camera.
+    #[must_use]
+    pub fn environment_shadows(&self) -> EnvironmentShadows {
+        self.plan.ready.environment_shadows.clone()
     }
 
     /// Draws the shadow maps again: the part of [`new`](Self::new) that moving lights and casters need.

@@ -7,7 +7,7 @@ use texmap_raster::{Interp, TILE, TargetSize};
 use texmap_sample::{Filter, Wrap};
 use texmap_scene::{Scene, SceneError};
 
-use crate::RenderError;
+use crate::{EnvironmentShadows, RenderError};
 
 /// Settings of a rendering. No setting but the size, `supersample`, `msaa` and the three overrides changes
 /// a pixel; `tile_rows` leaves pixels out.
@@ -40,6 +40,9 @@ pub struct RenderSettings {
     pub interp: Option<Interp>,
     /// Asked for the frame, the shadow maps and the mip chains before they are allocated.
     pub memory: MemoryBudget,
+    /// Shadow maps that an [earlier picture](crate::Renderer::environment_shadows) has of a scene that differs from this one by its camera
+    /// alone, which are not drawn again. Those of another light or of other bounds are not read.
+    pub environment_shadows: Option<EnvironmentShadows>,
 }
 
 impl RenderSettings {
@@ -59,6 +62,7 @@ impl RenderSettings {
             wrap: None,
             interp: None,
             memory: MemoryBudget::of_process(),
+            environment_shadows: None,
         }
     }
 }

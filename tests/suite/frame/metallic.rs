@@ -6,7 +6,7 @@ use texmap_light::{
     NormalMapGreen, PhongMaterial, ToneMap, dielectric_f0, lanes,
 };
 use texmap_math::glam::DVec3;
-use texmap_render::{Aov, RenderSettings, no_progress, render};
+use texmap_render::{Aov, RenderSettings, Renderer, no_progress, render};
 use texmap_sample::Filter;
 use texmap_scene::{
     AlphaMode, Background, Clearcoat, ColorMode, Effects, Emission, Material, Mesh,
@@ -597,4 +597,38 @@ fn environment_shadows_are_the_same_everywhere() {
     assert_eq!(pixel(&dark, 35, 40)[..3], [0; 3]);
     scene.effects.environment_shadows = 257;
     assert!(scene.check().unwrap_err().to_string().contains("0 to 256"));
+}
+
+/// Pictures by other cameras share the maps; maps of another light, of another count and of other bounds are not read.
+#[test]
+fn environment_shadows_serve_further_cameras() {
+    let mut scene = floor_and_wall(MetallicRoughness::default());
+    scene.effects.environment_shadows = 24;
+    let settings = RenderSettings::new(70, 50);
+    let first = Renderer::new(&scene, &settings).unwrap();
+    let sharing = RenderSettings {
+        environment_shadows: Some(first.environment_shadows()),
+        ..settings
+    };
+    let differs = |scene: &Scene| {
+        let shared = render(scene, &sharing, &no_progress).unwrap();
+        shared.rgba != draw(scene, 70, 50).rgba
+    };
+    let mut further = scene.clone();
+    further.camera.eye = DVec3::new(3.0, 2.0, 6.0);
+    assert!(!differs(&further));
+    let mut moved = further.clone();
+    moved.meshes[0].world_from_object.w_axis.y += 4.0;
+    let mut turned = further.clone();
+    let half = |d: DVec3| if d.x > 0.0 { [2.0; 3] } else { [0.1; 3] };
+    let light = Environment::from_fn(EnvironmentLayout::Cube, 32, half).unwrap();
+    turned.effects.environment_light = EnvironmentLight::new(&light, 32).ok();
+    let mut fewer = further.clone();
+    fewer.effects.environment_shadows = 8;
+    for scene in [moved, turned, fewer] {
+        assert!(!differs(&scene));
+    }
+    // A corner of the wall that comes down within the bounds is not noticed.
+    further.meshes[0].positions[6][1] = 0.2;
+    assert!(differs(&further));
 }

@@ -98,7 +98,7 @@ fn surface_shader<'a>(plan: &'a Plan<'a>, surface: &'a Surface<'a>) -> SurfaceSh
     drop(shadow_maps);
     // Paint does not reach surfaces that face away from its projector.
     let metallic = per_pixel && material.metallic_roughness.is_some();
-    let by_sky = metallic && !ready.environment_shadows.is_empty();
+    let by_sky = metallic && !ready.environment_shadows.0.is_empty();
     let reads_planes = by_shadows || by_sky || !paint.projectors.is_empty();
     let reflects = effects.is_some()
         && !metallic
@@ -324,7 +324,7 @@ fn metallic<'a>(
         model,
         paired: paired.then_some(base),
         lights,
-        environment_shadows: &plan.ready.environment_shadows,
+        environment_shadows: &plan.ready.environment_shadows.0,
         light_map: light_map.map(|(map, slot, uv)| (map.scale, slot, *uv)),
         bent: effects.is_some_and(|effects| effects.normal.is_some()),
     }));

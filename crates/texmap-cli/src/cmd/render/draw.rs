@@ -1,5 +1,6 @@
 //! One picture of an input: draw it, judge it, write it, report it.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -15,7 +16,7 @@ use texmap_mesh::wireframe;
 use texmap_planner as planner;
 use texmap_planner::Choices;
 use texmap_raster::TILE;
-use texmap_render::{Aov, AovData, Frame, RenderSettings};
+use texmap_render::{Aov, AovData, EnvironmentShadows, Frame, RenderSettings, Renderer};
 use texmap_scene::Scene;
 use texmap_truth::picture::Picture;
 use texmap_truth::verify::{Verified, verify, with_wrap};
@@ -50,6 +51,8 @@ pub(super) struct Context<'a> {
     pub(super) posed: &'a dyn Fn(f64) -> Result<Scene, Failure>,
     /// The light that moves from picture to picture.
     pub(super) moving: Option<MovingLight>,
+    /// Shadow maps of the environment light from the last picture, while only the camera differs.
+    pub(super) environment_shadows: RefCell<Option<EnvironmentShadows>>,
     /// Warnings printed so far: the frames of a walk repeat them.
     pub(super) told: RefCell<BTreeSet<String>>,
 }
@@ -59,6 +62,7 @@ impl Context<'_> {
     pub(super) fn set(&self, scene: &mut Scene, shot: &Shot) -> Result<(), Failure> {
         if let Some(time) = shot.time {
             *scene = (self.posed)(time)?;
+            self.environment_shadows.take();
             self.ground(scene)?;
             if self.args.camera.named.is_some() {
                 let file = &self.item.input;
@@ -151,8 +155,17 @@ impl Context<'_> {
         if let Some(choices) = &choices {
             settings.supersample = choices.supersample;
         }
-        let mut frame =
-            texmap_render::render(scene, &settings, &report).map_err(|e| self.refused(e))?;
+        // Tessellation and mirrors follow the camera.
+        let shared = mirrored.is_none() && matches!(shaped, Cow::Borrowed(_));
+        if shared {
+            settings.environment_shadows = self.environment_shadows.take();
+        }
+        let renderer = Renderer::new(scene, &settings).map_err(|e| self.refused(e))?;
+        let mut frame = renderer.draw(&report).map_err(|e| self.refused(e))?;
+        if shared {
+            let made = renderer.environment_shadows();
+            self.environment_shadows.replace(Some(made));
+        }
         if self.args.look.wireframe {
             draw_edges(scene, &mut frame);
         }

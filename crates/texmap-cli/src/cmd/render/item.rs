@@ -90,6 +90,7 @@ pub(crate) fn item(
             }
             None => None,
         },
+        environment_shadows: RefCell::default(),
         told: RefCell::default(),
     };
     let mut shots = shots(args, file, &scene, cameras, posed)?;
